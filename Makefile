@@ -1,0 +1,39 @@
+# Two commands: `make rig` simulates the paper's rig, `make test` tests everything.
+# Both need git, make, Python >= 3.11 and (for full speed) a C compiler; the rest goes into .venv.
+
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: rig test lint regenerate clean
+
+rig: .venv/rig
+	$(BIN)/ltcgear generate rig-2mw
+	$(BIN)/ltcgear paper -o out
+
+test: .venv/test
+	$(BIN)/python -m pytest -q
+
+lint: .venv/test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	PYTHONPATH=.links $(BIN)/lint-imports
+
+# Rewrite the committed C after a change of the equations; the tests compare it byte for byte.
+regenerate: .venv/rig
+	$(BIN)/python -m tests.regenerate
+
+.venv/bin/python:
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "ltcgear needs Python 3.11 or newer; run make PYTHON=python3.x")'
+	$(PYTHON) -m venv .venv
+
+.venv/rig: .venv/bin/python pyproject.toml hatch_build.py
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+.venv/test: .venv/bin/python pyproject.toml hatch_build.py
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@ .venv/rig
+
+clean:
+	rm -rf .venv .links out dist

@@ -1,0 +1,126 @@
+"""What symbolic and running side agree on: function names, argument order, shapes, names of everything.
+
+Every generated model has these functions, with x the states, s the mesh levels, p the parameters:
+
+============  ===========  ==========================================================
+function      arguments    results
+============  ===========  ==========================================================
+``rhs``       x, s, p      xdot
+``jac_rhs``   x, s, p, -   d xdot / d x (sparse), as CasADi expects it of ``rhs``
+``outputs``   x, s, p      y
+``phases``    x, p         tau, tau_rate, share
+``energy``    x, s, p      kinetic, potential [J], power put in, power lost [W]
+============  ===========  ==========================================================
+"""
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any
+
+FORMAT = 1
+FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "energy")
+
+
+@dataclass(frozen=True)
+class State:
+    """One state: name, SI unit, its body and axis, and the parameter that is its inertia."""
+
+    name: str
+    unit: str
+    body: str
+    axis: str
+    inertia: str
+
+
+@dataclass(frozen=True)
+class Report:
+    """One output: quantity, the item it belongs to, SI unit, and the dimension its kind of item shares."""
+
+    quantity: str
+    item: str
+    unit: str
+    dimension: str
+
+
+@dataclass(frozen=True)
+class Signature:
+    """Shapes of a function's arguments and results, non-zeros of the first result, operations."""
+
+    arguments: tuple[tuple[str, int, int], ...]
+    results: tuple[tuple[str, int, int], ...]
+    nonzeros: int
+    operations: int
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """All that a user of the C must know; it holds structure only, no scene's numbers.
+
+    Attributes
+    ----------
+    key
+        Content key of the structure and of what derived it.
+    states, levels, parameters, reports
+        Names in the order of x, s, p and y; parameters as (name, unit).
+    reference
+        ``rest``, ``speed`` (reference speed is a parameter) or ``torque`` (it is a state).
+    functions
+        Signatures by name.
+    casadi
+        Version that emitted the C.
+    """
+
+    key: str
+    reference: str
+    states: tuple[State, ...]
+    levels: tuple[str, ...]
+    parameters: tuple[tuple[str, str], ...]
+    reports: tuple[Report, ...]
+    functions: dict[str, Signature]
+    casadi: str
+    format: int = FORMAT
+
+    def to_json(self) -> str:
+        """Return the manifest as JSON text, one line per entry."""
+        plain = asdict(self)
+        lines = []
+        for key, value in plain.items():
+            if isinstance(value, (list, tuple)):
+                inner = ",\n".join("    " + json.dumps(item) for item in value)
+                lines.append(f'  "{key}": [\n{inner}\n  ]' if value else f'  "{key}": []')
+            elif isinstance(value, dict):
+                inner = ",\n".join(f'    "{name}": {json.dumps(item)}' for name, item in value.items())
+                lines.append(f'  "{key}": {{\n{inner}\n  }}')
+            else:
+                lines.append(f'  "{key}": {json.dumps(value)}')
+        return "{\n" + ",\n".join(lines) + "\n}\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> "Manifest":
+        """Read a manifest; ValueError or KeyError if it is not one of this format."""
+        raw: dict[str, Any] = json.loads(text)
+        if raw.get("format") != FORMAT:
+            raise ValueError(f"manifest format {raw.get('format')!r}, not {FORMAT}")
+        functions = {
+            name: Signature(
+                tuple((a[0], a[1], a[2]) for a in item["arguments"]),
+                tuple((r[0], r[1], r[2]) for r in item["results"]),
+                item["nonzeros"],
+                item["operations"],
+            )
+            for name, item in raw["functions"].items()
+        }
+        return cls(
+            raw["key"], raw["reference"], tuple(State(**item) for item in raw["states"]), tuple(raw["levels"]),
+            tuple((name, unit) for name, unit in raw["parameters"]), tuple(Report(**item) for item in raw["reports"]),
+            functions, raw["casadi"],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Artifact:
+    """A generated model: C text, manifest, and the same functions serialised for CasADi's virtual machine."""
+
+    c: str
+    manifest: Manifest
+    graphs: str

@@ -1,0 +1,177 @@
+"""The store: generated models and compiled libraries by content key, private to the user, put atomically."""
+
+import hashlib
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import platformdirs
+
+from .contract import Artifact, Manifest
+from .errors import CompileError, LtcgearError
+
+FLAGS = ("-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror")
+# Emitted C passes arguments that a function may not need, and reads const arrays through casts.
+QUIET = ("-Wno-unused-parameter", "-Wno-unused-function", "-Wno-unused-variable")
+LIBRARIES = ("-lm",)
+
+
+def root() -> Path:
+    """Return the store's folder, made with access for its owner only.
+
+    Raises
+    ------
+    LtcgearError
+        If it cannot be made, or belongs to somebody else: libraries are loaded from it.
+    """
+    chosen = os.environ.get("LTCGEAR_CACHE")
+    path = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("ltcgear"))
+    try:
+        path.mkdir(mode=0o700, parents=True, exist_ok=True)
+        status = path.stat()
+    except OSError as error:
+        raise LtcgearError(
+            f"{path}: the store cannot be used: {error}; set LTCGEAR_CACHE to a folder of yours"
+        ) from error
+    if status.st_uid != os.getuid() or status.st_mode & 0o022:
+        raise LtcgearError(f"{path}: others may write here; set LTCGEAR_CACHE to a folder that only you can write")
+    return path
+
+
+def digest(parts: Sequence[str]) -> str:
+    """Return the key of some texts; each is counted with its length, so that borders matter."""
+    state = hashlib.sha256()
+    for part in parts:
+        data = part.encode()
+        state.update(f"{len(data)}:".encode())
+        state.update(data)
+    return state.hexdigest()
+
+
+def put_folder(target: Path, files: dict[str, str]) -> None:
+    """Write files into a new folder, which appears with all of them or not at all."""
+    target.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    draft = Path(tempfile.mkdtemp(dir=target.parent, prefix=".draft-"))
+    try:
+        for name, text in files.items():
+            (draft / name).write_text(text, encoding="utf-8")
+        try:
+            draft.rename(target)
+        except OSError:
+            if not target.is_dir():  # somebody else may have put the same content first
+                raise
+    finally:
+        shutil.rmtree(draft, ignore_errors=True)
+
+
+def write_folder(target: Path, texts: dict[str, str]) -> None:
+    """Write files into a folder of the user's, each one whole or not at all."""
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        for name, text in texts.items():
+            draft = target / f".draft-{os.getpid()}-{name}"
+            draft.write_text(text, encoding="utf-8")
+            draft.replace(target / name)
+    except OSError as error:
+        raise LtcgearError(f"{target}: cannot be written: {error.strerror}; give another folder") from error
+
+
+def files(artifact: Artifact) -> dict[str, str]:
+    """Return an artifact as file name -> text."""
+    return {
+        "model.c": artifact.c,
+        "manifest.json": artifact.manifest.to_json(),
+        "graphs.casadi": artifact.graphs,
+    }
+
+
+def put(artifact: Artifact) -> None:
+    """Keep a generated model under its manifest's key."""
+    put_folder(root() / "models" / artifact.manifest.key, files(artifact))
+
+
+def get(key: str) -> Artifact | None:
+    """Return the generated model of a key, None where there is none (or a damaged one, which is removed)."""
+    folder = root() / "models" / key
+    try:
+        c, manifest, graphs = ((folder / n).read_text("utf-8") for n in ("model.c", "manifest.json", "graphs.casadi"))
+        return Artifact(c, Manifest.from_json(manifest), graphs)
+    except FileNotFoundError:
+        shutil.rmtree(folder, ignore_errors=True)
+        return None
+    except (ValueError, KeyError, TypeError):
+        shutil.rmtree(folder, ignore_errors=True)
+        return None
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A C compiler: path and what it says of itself."""
+
+    path: str
+    version: str
+
+
+@cache
+def compiler() -> Compiler | None:
+    """Return the C compiler: that of the environment variable CC, else cc, gcc or clang; None without one.
+
+    Raises
+    ------
+    CompileError
+        If CC names a compiler that is not there.
+    """
+    wanted = os.environ.get("CC")
+    path = next((p for p in map(shutil.which, [wanted] if wanted else ["cc", "gcc", "clang"]) if p), None)
+    if path is None:
+        if wanted:
+            raise CompileError(f"CC = {wanted}: no such compiler; correct CC or unset it")
+        return None
+    version = subprocess.run([path, "--version"], capture_output=True, text=True, check=False).stdout
+    return Compiler(path, version)
+
+
+@cache
+def processor() -> str:
+    """Return what tells processors apart for -march=native."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
+    except OSError:
+        import platform
+
+        return platform.processor() + platform.machine()
+    return "\n".join(line for line in dict.fromkeys(lines) if line.startswith(("model name", "flags", "Features")))
+
+
+def library(c: str, with_compiler: Compiler) -> Path:
+    """Return the shared library of a C text, compiled on first use.
+
+    Raises
+    ------
+    CompileError
+        If the compiler refuses it; the message names the log that was kept.
+    """
+    command = [with_compiler.path, *FLAGS, *QUIET]
+    key = digest([c, with_compiler.path, with_compiler.version, *command, *LIBRARIES, processor()])
+    folder = root() / "libraries"
+    target = folder / f"{key}.so"
+    if target.exists():
+        return target
+    folder.mkdir(mode=0o700, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".draft-") as draft:
+        source, built = Path(draft, "model.c"), Path(draft, "model.so")
+        source.write_text(c, encoding="utf-8")
+        run = subprocess.run(
+            [*command, str(source), "-o", str(built), *LIBRARIES], capture_output=True, text=True, check=False
+        )
+        if run.returncode != 0:
+            log = folder / f"{key}.log"
+            log.write_text(f"{' '.join(run.args)}\n{run.stdout}{run.stderr}", encoding="utf-8")
+            raise CompileError(f"{with_compiler.path} refused the generated C (exit code {run.returncode}); log: {log}")
+        built.replace(target)
+    return target

@@ -1,0 +1,1 @@
+"""Compiled models at work: equilibrium, integration, linearisation, results."""

@@ -1,0 +1,325 @@
+"""The command line, the one place that knows all three parts: scene -> model -> C -> results."""
+
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from ltcgear.generated import store
+from ltcgear.generated.contract import Artifact
+from ltcgear.generated.errors import LtcgearError
+
+from . import present
+from .progress import progress
+
+if TYPE_CHECKING:
+    from ltcgear.symbolic.model import Model
+    from ltcgear.symbolic.schema import Scene
+
+    from .library import Library
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Gearbox dynamics from written equations: scene to equations to C to simulation and eigenfrequencies.",
+)
+
+SceneName = Annotated[
+    str, typer.Argument(metavar="SCENE", help="A shipped scene (see `ltcgear scenes`) or a TOML file.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on stdout.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of the scene, e.g. effects.mesh_law=paper."),
+]
+
+
+MaybeScene = Annotated[str | None, typer.Argument(metavar="[SCENE]", help="The scene whose equations are checked.")]
+Sources = Annotated[bool, typer.Option("--sources", help="Say where each number comes from.")]
+Printed = Annotated[bool, typer.Option("--paper", help="Compare the paper's printed equations with the derivation.")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Derive again even if the store has it.")]
+CFolder = Annotated[Path | None, typer.Option("-o", "--output", help="Folder for C and manifest.")]
+ResultFile = Annotated[Path | None, typer.Option("-o", "--output", help="NetCDF4 file to write.")]
+ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for result and figures.")]
+EndTime = Annotated[float | None, typer.Option("--t-end", help="Time to simulate [s].")]
+Method = Annotated[str, typer.Option("--method", help="erk, cvodes, idas or rosenbrock.")]
+Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it refers to vibrations.")]
+
+
+@dataclass
+class Opened:
+    """A scene on its way through the house, with the seconds each stage took."""
+
+    scene: "Scene"
+    model: "Model"
+    artifact: Artifact
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def _changes(pairs: list[str] | None) -> dict[str, str]:
+    """Split KEY=VALUE pairs."""
+    split = [pair.partition("=") for pair in pairs or []]
+    bad = [key for key, sign, _ in split if not sign or not key]
+    if bad:
+        raise LtcgearError(f"--set {bad[0]}: write KEY=VALUE, for example loads.motor.speed='10 rpm'")
+    return {key: value for key, _, value in split}
+
+
+def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False) -> Opened:
+    """Take a scene through all stages up to generated C; what the store holds is not derived again.
+
+    scene -> Model -> (derive -> check -> emit, or the store) -> Artifact
+    """
+    from ltcgear.symbolic.build import build_model
+    from ltcgear.symbolic.pipeline import content_key, generate
+    from ltcgear.symbolic.scene import load_scene
+
+    clock = perf_counter()
+    scene = load_scene(name, _changes(changes))
+    model = build_model(scene)
+    seconds = {"load": perf_counter() - clock}
+    artifact = None if fresh else store.get(content_key(model))
+    if artifact is None:
+        artifact = generate(model, lambda stage, taken: seconds.update({stage: taken}))
+        store.put(artifact)
+    return Opened(scene, model, artifact, seconds)
+
+
+def compile_model(opened: Opened) -> "Library":
+    """Compile and load a generated model; without a compiler this is said in one line."""
+    from .library import NO_COMPILER, build
+
+    clock = perf_counter()
+    library = build(opened.artifact)
+    opened.seconds["compile"] = perf_counter() - clock
+    if library.path is None:
+        print(NO_COMPILER, file=sys.stderr)
+    return library
+
+
+def _print(as_json: bool, data: dict[str, Any], show: Callable[[dict[str, Any]], None]) -> None:
+    """Print as JSON, or for people."""
+    if as_json:
+        print(json.dumps(data, allow_nan=False))
+    else:
+        show(data)
+
+
+@app.command()
+def scenes(as_json: AsJson = False) -> None:
+    """List the shipped scenes."""
+    from ltcgear.symbolic.scene import load_scene, shipped_scenes
+
+    listed = [{"name": name, "title": load_scene(name).title} for name in shipped_scenes()]
+    _print(as_json, {"scenes": listed}, present.scenes)
+
+
+@app.command()
+def effects(as_json: AsJson = False) -> None:
+    """List the effects a scene can call for."""
+    from ltcgear.symbolic.effects import EFFECTS
+
+    listed = [
+        {"name": e.name, "values": e.values, "default": e.default, "help": e.help, "source": e.source} for e in EFFECTS
+    ]
+    _print(as_json, {"effects": listed}, present.effects)
+
+
+@app.command()
+def info(scene: SceneName, sources: Sources = False, changes: Changes = None, as_json: AsJson = False) -> None:
+    """Describe a scene's model: freedoms, states, effects, operations, static mesh forces."""
+    opened = open_scene(scene, changes)
+    manifest = opened.artifact.manifest
+    rigid = [s for s in manifest.states if not s.name.endswith(".rate") and not s.name.startswith("reference.")]
+    data = {
+        "scene": opened.scene.name,
+        "title": opened.scene.title,
+        "dof": len(rigid) + any(s.name == "reference.speed" for s in manifest.states),
+        "states": len(manifest.states),
+        "parameters": len(manifest.parameters),
+        "effects": opened.model.effects,
+        "ops": {name: manifest.functions[n].operations for name, n in (("rhs", "rhs"), ("jacobian", "jac_rhs"))},
+        "jacobian_nnz": manifest.functions["jac_rhs"].nonzeros,
+        "levels": len(manifest.levels),
+        "static_mesh_forces_n": {name: abs(force) for name, force in opened.model.statics.items()},
+        "speed_ratios": {
+            p.name.removesuffix(".speed_ratio"): p.value
+            for p in opened.model.parameters
+            if p.name.endswith(".speed_ratio")
+        },
+    }
+    if sources:
+        data["sources"] = dict(opened.scene.sources)
+    _print(as_json, data, present.info)
+
+
+@app.command()
+def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = None, as_json: AsJson = False) -> None:
+    """Check the equations of a scene (exit code 1 if one fails), or the paper's printed equations."""
+    if paper == (scene is not None):
+        raise LtcgearError("check: give a SCENE, or --paper")
+    if paper:
+        from dataclasses import asdict
+
+        from ltcgear.symbolic.checks.paper import check_paper
+
+        _print(as_json, {"equations": [asdict(verdict) for verdict in check_paper()]}, present.paper_verdicts)
+        return
+    from ltcgear.symbolic.build import build_model
+    from ltcgear.symbolic.checks.run import check_model
+    from ltcgear.symbolic.scene import load_scene
+
+    results = check_model(build_model(load_scene(scene or "", _changes(changes))))
+    listed = [
+        {
+            "name": c.name,
+            "passed": bool(c.passed),
+            "value": float(c.value),
+            "tolerance": float(c.tolerance),
+            "note": c.note,
+        }
+        for c in results
+    ]
+    passed = all(item["passed"] for item in listed)
+    _print(as_json, {"passed": passed, "checks": listed}, present.checks)
+    if not passed:
+        raise typer.Exit(1)
+
+
+@app.command()
+def generate(
+    scene: SceneName, output: CFolder = None, fresh: Fresh = False, changes: Changes = None, as_json: AsJson = False
+) -> None:
+    """Derive, check, emit and compile a scene's C (kept in the store; a copy with -o)."""
+    opened = open_scene(scene, changes, fresh)
+    library = compile_model(opened)
+    files = store.files(opened.artifact)
+    del files["graphs.casadi"]
+    folder = output or store.root() / "models" / opened.artifact.manifest.key
+    if output is not None:
+        store.write_folder(output, files)
+    ops = {name: signature.operations for name, signature in opened.artifact.manifest.functions.items()}
+    data = {
+        "files": [str(folder / name) for name in files],
+        "library": str(library.path) if library.path else None,
+        "ops": ops,
+        "seconds": dict.fromkeys(("derive", "check", "emit"), 0.0) | opened.seconds,
+        "key": opened.artifact.manifest.key,
+    }
+    _print(as_json, data, present.generated)
+
+
+@app.command()
+def simulate(
+    scene: SceneName,
+    output: ResultFile = None,
+    t_end: EndTime = None,
+    method: Method = "erk",
+    rtol: Tolerance = 1e-6,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate a scene from its loaded equilibrium; with -o, write the result as NetCDF4."""
+    summary = run(scene, changes, output, t_end, method, rtol)
+    _print(as_json, summary, present.simulated)
+    if summary["status"] != "done":
+        print(f"ltcgear: {summary['status']}", file=sys.stderr)
+        raise typer.Exit(3)
+
+
+def run(
+    scene: str, changes: list[str] | None, output: Path | None, t_end: float | None, method: str, rtol: float
+) -> dict[str, Any]:
+    """Simulate a scene and write its result; return the summary."""
+    from .results import check_target, save
+    from .simulate import check_options
+    from .simulate import simulate as simulate_model
+
+    check_options(method, rtol, t_end)
+    if output is not None:
+        check_target(output)
+    opened = open_scene(scene, changes)
+    library = compile_model(opened)
+    end = t_end if t_end is not None else opened.scene.simulation.t_end
+    attributes = {
+        "scene": opened.scene.name,
+        "title": opened.scene.title,
+        "scene_json": opened.scene.model_dump_json(),
+    }
+    with progress(f"simulate {opened.scene.name}", end) as told:
+        result = simulate_model(
+            library, opened.model.values(), t_end=end, rate=opened.scene.simulation.rate, method=method, rtol=rtol,
+            attributes=attributes, told=told,
+        )  # fmt: skip
+    seconds = opened.seconds | result.summary["seconds"]
+    if output is not None:
+        clock = perf_counter()
+        save(result.dataset, output)
+        seconds["write"] = perf_counter() - clock
+    return {"scene": opened.scene.name, **result.summary, "seconds": seconds}
+
+
+@app.command()
+def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) -> None:
+    """List eigenfrequencies and damping of a scene at its loaded equilibrium."""
+    from .equilibrium import find_equilibrium
+    from .modes import find_modes
+
+    opened = open_scene(scene, changes)
+    library = compile_model(opened)
+    p = library.parameters(opened.model.values())
+    found = find_modes(library, find_equilibrium(library, p), p)
+    listed = [
+        {
+            "frequency_hz": m.frequency_hz,
+            "damping_ratio": m.damping_ratio,
+            "class": m.kind,
+            "energy": m.energy,
+        }
+        for m in found
+    ]
+    _print(as_json, {"scene": opened.scene.name, "modes": listed}, present.modes)
+
+
+@app.command()
+def paper(
+    output: ResultFolder = Path("out"),
+    t_end: EndTime = 4.0,
+    method: Method = "erk",
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate the paper's test rig and set its tables and figures beside the printed ones."""
+    from .comparison import compare
+    from .plots import overview_figure, paper_figures
+    from .results import load, make_folder
+
+    make_folder(output)
+    file = output / "rig-2mw.nc"
+    summary = run("rig-2mw", changes, file, t_end, method, 1e-6)
+    dataset = load(file)
+    tables = compare(dataset)
+    figures = [*paper_figures(dataset, output), overview_figure(dataset, output / "overview.png")]
+    data = {
+        **summary,
+        "tables": {name: table.to_json() for name, table in tables.items()},
+        "files": [str(file), *(str(figure) for figure in figures)],
+    }
+    _print(as_json, data, lambda shown: present.paper_run(shown, tables))
+
+
+def main() -> None:
+    """Run the command line; errors become one message and an exit code."""
+    try:
+        app()
+    except LtcgearError as error:
+        print(f"ltcgear: {error}", file=sys.stderr)
+        sys.exit(error.exit_code)
+    except KeyboardInterrupt:
+        print("ltcgear: stopped; nothing half-written was left", file=sys.stderr)
+        sys.exit(130)

@@ -1,0 +1,152 @@
+"""The loaded equilibrium at running speed, where a simulation starts and a linearisation stands."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ltcgear.generated.errors import SolverError
+from numpy.typing import NDArray
+
+from .kernel import Kernel
+from .library import Library
+
+Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A state without vibration.
+
+    Attributes
+    ----------
+    x
+        State vector: deviations at rest against the rigid motion.
+    levels
+        Mesh levels it holds for (their mean over a tooth pitch).
+    residual
+        Largest force left over the largest force at work.
+    iterations
+        Newton steps taken.
+    """
+
+    x: Vector
+    levels: Vector
+    residual: float
+    iterations: int
+
+
+def mean_levels(library: Library, x: Vector, p: Vector) -> Vector:
+    """Return the mean level of each switched mesh: the share of double contact."""
+    share = Kernel(library.functions["phases"])(x, p)[2]
+    return np.asarray(1.0 - share)
+
+
+def start_state(library: Library, p: Vector) -> Vector:
+    """Return the state of the rigid motion: no deviation, the reference at its speed."""
+    names = [state.name for state in library.manifest.states]
+    x = np.zeros(len(names))
+    if "reference.speed" in names:
+        known = [name for name, _ in library.manifest.parameters]
+        x[names.index("reference.speed")] = p[known.index("reference.speed")]
+    return x
+
+
+def inertias(library: Library, p: Vector) -> Vector:
+    """Return the inertia [kg or kg m^2] that belongs to each deviation."""
+    known = {name: i for i, (name, _) in enumerate(library.manifest.parameters)}
+    return np.array([p[known[library.manifest.states[i].inertia]] for i in library.index("")])
+
+
+def find_equilibrium(library: Library, p: Vector, levels: Vector | None = None) -> Equilibrium:
+    """Solve for vanishing vibration accelerations with Newton's method on the generated Jacobian.
+
+    Parameters
+    ----------
+    library
+        The model.
+    p
+        Parameters, shape (n_p,).
+    levels
+        Mesh levels; their means where left out.
+
+    Raises
+    ------
+    SolverError
+        If a loaded member is not restrained, or the iteration does not settle.
+    """
+    x = start_state(library, p)
+    levels = mean_levels(library, x, p) if levels is None else levels
+    position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
+    rhs, jacobian = Kernel(library.functions["rhs"]), Kernel(library.functions["jac_rhs"])
+    scale = _force_scale(library, p)
+    step = np.inf
+    for iteration in range(60):
+        force = np.asarray(rhs(x, levels, p)[0][rate] * mass)
+        residual = float(np.abs(force).max(initial=0.0)) / scale
+        if residual < 1e-12 or (residual < 1e-7 and step < 1e-12):
+            return Equilibrium(x, levels, residual, iteration)
+        stiffness = -_dense(library, jacobian(x, levels, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
+        delta = _solve(library, stiffness, force, mass)
+        step = float(np.abs(delta).max())
+        x = _advance(rhs, x, position, delta, levels, p)
+    raise SolverError(
+        f"no equilibrium: after 60 Newton steps the forces are out of balance by {residual:.1e} of their size; "
+        "check loads, stiffnesses and centre distances"
+    )
+
+
+def _force_scale(library: Library, p: Vector) -> float:
+    """Return a size of force to compare the residual with: stiffness times the size of a deflection."""
+    units = {"N*m": 1.0}
+    torques = [abs(value) for (_, unit), value in zip(library.manifest.parameters, p, strict=True) if unit in units]
+    return float(max([1.0, *torques]))
+
+
+def _dense(library: Library, nonzeros: Vector) -> Vector:
+    """Return the dense Jacobian from its non-zeros."""
+    sparsity = library.functions["jac_rhs"].sparsity_out(0)
+    rows, columns = sparsity.get_triplet()
+    full = np.zeros(sparsity.shape)
+    full[rows, columns] = nonzeros
+    return full
+
+
+def state_matrix(library: Library, x: Vector, levels: Vector, p: Vector) -> Vector:
+    """Return d xdot / d x, shape (n, n)."""
+    return _dense(library, Kernel(library.functions["jac_rhs"])(x, levels, p, 0.0)[0])
+
+
+def _solve(library: Library, stiffness: Vector, force: Vector, mass: Vector) -> Vector:
+    """Solve one Newton step; an unrestrained member is named."""
+    root = np.sqrt(mass)
+    scaled = stiffness / root[:, None] / root[None, :]
+    left, singular, right = np.linalg.svd(scaled)
+    loose = singular < 1e-11 * singular[0]
+    if loose.any():
+        drive = np.abs(left[:, loose].T @ (force / root))
+        if drive.max() > 1e-9 * np.linalg.norm(force / root):
+            raise SolverError(_unrestrained(library, np.abs(right[loose]).max(axis=0)))
+    inverse = np.where(loose, 0.0, 1.0 / np.where(loose, 1.0, singular))
+    return np.asarray(right.T @ (inverse * (left.T @ (force / root))) / root)
+
+
+def _unrestrained(library: Library, shares: Vector) -> str:
+    """Name the members that a load can push without end."""
+    states = [library.manifest.states[i] for i in library.index("")]
+    chosen = [f"{s.body} ({s.axis})" for s, share in zip(states, shares, strict=True) if share > 0.3 * shares.max()]
+    return (
+        f"no equilibrium: nothing holds {', '.join(chosen)} against the loads; "
+        "hold a speed in [loads], or give a bearing, a coupling or a torsional_support"
+    )
+
+
+def _advance(rhs: Kernel, x: Vector, position: NDArray[np.int64], delta: Vector, levels: Vector, p: Vector) -> Vector:
+    """Take a Newton step, halved until the gears still reach each other."""
+    for _ in range(40):
+        trial = x.copy()
+        trial[position] += delta
+        if np.isfinite(rhs(trial, levels, p)[0]).all():
+            return trial
+        delta = delta / 2
+    raise SolverError(
+        "no equilibrium: a centre distance falls below the base circles' sum; check center_distance and stiffness"
+    )

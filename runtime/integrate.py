@@ -1,0 +1,204 @@
+"""Integrate: segments of smooth motion between switching instants, sampled on a uniform grid."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from ltcgear.generated.errors import SolverError
+from numpy.typing import NDArray
+
+from .equilibrium import Equilibrium, inertias, state_matrix
+from .kernel import Kernel
+from .library import Library
+from .stepper import MULTISTEP, Counts, Frame, Nodes, make_stepper
+from .switching import Cells, Phases, cells_of, crossed, levels_of, time_to_border
+
+Vector = NDArray[np.float64]
+Told = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """What an integration gave, up to its end or its failure.
+
+    Attributes
+    ----------
+    time, x, levels
+        Sample times [s], states and mesh levels, shapes (m,), (m, n), (m, l).
+    work
+        Work done on the system by loads and drives less losses [J].
+    jump_energy
+        Energy that the stiffness jumps put in [J].
+    counts
+        Steps, right-hand sides, Jacobians, segments, events.
+    expected_events
+        Switchings that the mesh phases call for, from kinematics.
+    status
+        ``done``, or why it stopped and what to do.
+    end
+        Time reached [s].
+    seconds
+        Time taken by the integration [s].
+    """
+
+    time: Vector
+    x: Vector
+    levels: Vector
+    work: float
+    jump_energy: float
+    counts: Counts
+    expected_events: int
+    status: str
+    end: float
+    seconds: float
+
+
+def vibration_scale(library: Library, at: Equilibrium, p: Vector) -> Vector:
+    """Return a size for every state: the motion in which it alone stores one small energy.
+
+    The energy is 1e-4 of the mean strain energy per freedom of the loaded equilibrium (1e-6 J unloaded),
+    so that coordinates of all kinds weigh alike: x = sqrt(2 E / k), v = sqrt(2 E / m). One relative
+    tolerance thus refers to deflections of about a hundredth of the static ones.
+    """
+    position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
+    potential = float(Kernel(library.functions["energy"])(at.x, at.levels, p)[0][1])
+    energy = 1e-4 * potential / len(mass) if potential > 1e-9 else 1e-6
+    diagonal = -np.diag(state_matrix(library, at.x, at.levels, p)[np.ix_(rate, position)]) * mass
+    speed = np.sqrt(2 * energy / mass)
+    floor = float(np.max(diagonal / mass)) * 1e-8 * mass
+    scale = np.ones(len(at.x))
+    scale[position] = np.sqrt(2 * energy / np.maximum(diagonal, floor))
+    scale[rate] = speed
+    return scale
+
+
+def fastest(library: Library, at: Equilibrium, p: Vector) -> float:
+    """Return the largest eigenvalue's modulus [1/s] of the linearised model."""
+    scale = vibration_scale(library, at, p)
+    matrix = state_matrix(library, at.x, at.levels, p) * scale[None, :] / scale[:, None]
+    return float(np.abs(np.linalg.eigvals(matrix)).max())
+
+
+class _Run:
+    """An integration under way."""
+
+    def __init__(self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float) -> None:
+        self.library, self.p, self.at = library, p, at
+        self.frame = Frame(at.x, vibration_scale(library, at, p))
+        self.nodes = Nodes(24 if method in MULTISTEP else 12)
+        # Between Chebyshev nodes the fastest mode turns by count / 1.5 rad at most: interpolates to about 1e-6.
+        self.longest = self.nodes.count / 1.5 / fastest(library, at, p)
+        self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:])
+        self.phase_kernel, self.energy_kernel = (
+            Kernel(library.functions["phases"]),
+            Kernel(library.functions["energy"]),
+        )
+        self.z = np.zeros(len(at.x))
+        self.cells: Cells = cells_of(self.phases(self.z))
+        self.first_cells = self.cells
+        self.work = self.jump_energy = 0.0
+
+    def phases(self, z: Vector) -> Phases:
+        """Return the mesh phases of a state."""
+        tau, rate, share = self.phase_kernel(self.frame.origin + self.frame.scale * z, self.p)
+        return Phases(tau.copy(), rate.copy(), share.copy())
+
+    def energy(self, z: Vector, cells: Cells) -> float:
+        """Return kinetic and potential energy [J]."""
+        balance = self.energy_kernel(self.frame.origin + self.frame.scale * z, levels_of(cells), self.p)[0]
+        return float(balance[0] + balance[1])
+
+    def segment(self, left: float) -> tuple[float, Vector, Vector]:
+        """Integrate up to the next switching instant or ``left`` seconds; return duration, path, levels."""
+        now, levels = self.phases(self.z), levels_of(self.cells)
+        duration = min(time_to_border(self.cells, now), self.longest, left)
+        for _ in range(20):
+            path, work = self.stepper.advance(self.z, duration, self.frame.origin, levels)
+            after = self.phases(path[-1])
+            cells, beyond = crossed(self.cells, after)
+            if beyond <= 1e-9:
+                break
+            # The rates were not constant: go back to the segment's start with a shorter one (secant).
+            moved = np.abs(after.tau - now.tau).max()
+            duration *= max(1 - beyond / moved, 0.1) if moved > 0 else 0.5
+        else:
+            raise RuntimeError("a switching instant could not be located in 20 trials")
+        path = np.vstack([self.z, path])
+        self._note(path, work, cells)
+        return duration, path, levels
+
+    def _note(self, path: Vector, work: float, cells: Cells) -> None:
+        """Keep the books after a segment and take its end as the new state."""
+        self.work += work
+        self.z = path[-1].copy()
+        if (cells != self.cells).any():
+            before = self.energy(self.z, self.cells)
+            self.jump_energy += self.energy(self.z, cells) - before
+            self.stepper.counts.events += int(np.abs(cells - self.cells).sum())
+            self.cells = cells
+
+
+def integrate(
+    library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
+    told: Told = lambda t: None,
+) -> Trajectory:  # fmt: skip
+    """Integrate from the equilibrium.
+
+    Parameters
+    ----------
+    library, p, at
+        Model, parameters and initial state.
+    t_end
+        Time to simulate [s].
+    rate
+        Samples a second [Hz].
+    method, rtol
+        See ``stepper``.
+    told
+        Called with the simulated time now and then.
+
+    Returns
+    -------
+    Trajectory
+        A failure is a status in it, and what was computed until then is kept.
+    """
+    count = round(t_end * rate) + 1
+    time = np.arange(count) / rate
+    x, levels = np.empty((count, len(at.x))), np.empty((count, library.functions["phases"].nnz_out(0)))
+    clock = perf_counter()
+    try:
+        run = _Run(library, p, at, method, rtol)
+    except RuntimeError as error:
+        raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
+    x[0], levels[0] = at.x, levels_of(run.cells)
+    done, now, status, shown = 1, 0.0, "done", 0.0
+    while done < count:
+        try:
+            duration, path, level = run.segment(time[-1] - now)
+        except RuntimeError as error:
+            status = _reason(method, rtol, now, error)
+            break
+        last = done + int(np.searchsorted(time[done:], now + duration * (1 + 1e-12), side="right"))
+        if done < last:
+            inside = run.nodes.matrix((time[done:last] - now) / duration)
+            x[done:last] = run.frame.origin + run.frame.scale * (inside @ path)
+            levels[done:last] = level
+        done, now = last, now + duration
+        if perf_counter() - shown > 0.1:
+            shown = perf_counter()
+            told(now)
+    expected = int(np.abs(cells_of(run.phases(run.z)) - run.first_cells).sum())
+    return Trajectory(
+        time[:done], x[:done], levels[:done], run.work, run.jump_energy, run.stepper.counts, expected, status, now,
+        perf_counter() - clock,
+    )  # fmt: skip
+
+
+def _reason(method: str, rtol: float, now: float, error: RuntimeError) -> str:
+    """Say why an integration stopped and what to try."""
+    cause = str(error).strip().splitlines()[-1][:200]
+    return (
+        f"{method} stopped at t = {now:.6g} s (rtol {rtol:g}): {cause}; "
+        "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
+    )

@@ -1,0 +1,81 @@
+"""A CasADi function bound to NumPy buffers: no conversion, no allocation per call."""
+
+from collections.abc import Callable
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+class Kernel:
+    """Call a function on preallocated arrays.
+
+    The arrays in ``results`` are overwritten by every call; copy what must last.
+
+    Parameters
+    ----------
+    function
+        A function whose arguments are dense (results may be sparse: they hold the non-zeros).
+    """
+
+    def __init__(self, function: ca.Function) -> None:
+        self.function = function
+        buffer: Any
+        buffer, self._evaluate = function.buffer()
+        self._buffer = buffer
+        self.arguments = [np.zeros(function.nnz_in(i)) for i in range(function.n_in())]
+        self.results = [np.zeros(function.nnz_out(i)) for i in range(function.n_out())]
+        for i, array in enumerate(self.arguments):
+            buffer.set_arg(i, memoryview(array.data))
+        for i, array in enumerate(self.results):
+            buffer.set_res(i, memoryview(array.data))
+
+    def __call__(self, *values: Any) -> list[Vector]:  # noqa: ANN401
+        """Evaluate; RuntimeError where the function fails."""
+        for array, value in zip(self.arguments, values, strict=True):
+            array[:] = value
+        self.evaluate()
+        return self.results
+
+    def evaluate(self) -> None:
+        """Evaluate on what the argument arrays hold; RuntimeError where the function fails."""
+        self._evaluate()
+        if self._buffer.ret() != 0:
+            raise RuntimeError(f"{self.function.name()} failed")
+
+
+def over_time(function: ca.Function, columns: list[Vector], report: Callable[[int], None] | None = None) -> Vector:
+    """Evaluate a function at many times.
+
+    Parameters
+    ----------
+    function
+        One dense result.
+    columns
+        Per argument an array of shape (times, size), or (size,) where it does not change.
+    report
+        Called with the number of times done, now and then.
+
+    Returns
+    -------
+    numpy.ndarray
+        Shape (times, size of the result).
+    """
+    kernel = Kernel(function)
+    times = max(len(c) for c in columns if c.ndim == 2)
+    out = np.empty((times, function.nnz_out(0)))
+    for array, column in zip(kernel.arguments, columns, strict=True):
+        if column.ndim == 1:
+            array[:] = column
+    moving = [(a, c) for a, c in zip(kernel.arguments, columns, strict=True) if c.ndim == 2]
+    for k in range(times):
+        for array, column in moving:
+            array[:] = column[k]
+        kernel.evaluate()
+        out[k] = kernel.results[0]
+        if report is not None and k % 1024 == 0:
+            report(k)
+    return out

@@ -1,0 +1,183 @@
+"""Result: a trajectory read into named quantities with units, and its NetCDF4 file."""
+
+import json
+import os
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+from numpy.typing import NDArray
+
+from .equilibrium import Equilibrium
+from .integrate import Trajectory
+from .kernel import Kernel, over_time
+from .library import Library
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Vector = NDArray[np.float64]
+
+LONG_NAMES = {
+    "mesh_force": "normal mesh force",
+    "mesh_deflection": "mesh deflection along the line of action",
+    "mesh_phase": "mesh phase: teeth of gear 1 past the line of centres",
+    "mesh_level": "mesh level, 0 single and 1 double contact",
+    "mesh_friction": "tangential mesh force",
+    "pressure_angle": "operating pressure angle",
+    "pin_force_x": "planet bearing force, x",
+    "pin_force_y": "planet bearing force, y",
+    "pin_friction_torque": "planet bearing friction torque",
+    "bearing_force_x": "bearing force, x",
+    "bearing_force_y": "bearing force, y",
+    "coupling_torque": "torque in the coupling",
+    "support_torque": "torque in the torsional support",
+    "acceleration_x": "acceleration of the centre, x",
+    "acceleration_y": "acceleration of the centre, y",
+    "displacement_x": "displacement of the centre in its stage's frame, x",
+    "displacement_y": "displacement of the centre in its stage's frame, y",
+    "speed": "rotational speed",
+    "twist": "angle against the rigid motion",
+    "drive_torque": "torque of the drive that holds the speed",
+}
+
+
+def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Trajectory) -> float:
+    """Return what is missing in the energy balance over the strain energy of the start (or all energy).
+
+    Energy at the end less energy at the start, less work of loads, drives and dampers, less what the
+    stiffness jumps put in; zero for an exact solution.
+    """
+    energy = Kernel(library.functions["energy"])
+    first = energy(path.x[0], path.levels[0], p)[0][:2].copy()
+    last = energy(path.x[-1], path.levels[-1], p)[0][:2].copy()
+    missing = float(last.sum() - first.sum() - path.work - path.jump_energy)
+    size = max(float(first[1]), abs(path.work) + abs(path.jump_energy), 1e-12)
+    return missing / size
+
+
+def make_dataset(library: Library, p: Vector, path: Trajectory, attributes: dict[str, Any]) -> "xr.Dataset":
+    """Read a trajectory into an xarray Dataset.
+
+    Parameters
+    ----------
+    library, p
+        Model and parameters, shape (n_p,).
+    path
+        The trajectory.
+    attributes
+        What the file must tell: scene, versions, statistics; values that are not text or numbers are
+        written as JSON.
+
+    Returns
+    -------
+    xarray.Dataset
+        One variable per quantity over (time, item), with units and long names, and all states.
+    """
+    import xarray as xr
+
+    values = over_time(library.functions["outputs"], [path.x, path.levels, p])
+    time = ("time", path.time, {"units": "s", "long_name": "time"})
+    data: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {"time": time}
+    for quantity, columns in _by_quantity(library).items():
+        first = library.manifest.reports[columns[0]]
+        items = [library.manifest.reports[i].item for i in columns]
+        dimension = (
+            first.dimension if coordinates.get(first.dimension, items) == items else f"{quantity}_{first.dimension}"
+        )
+        coordinates[dimension] = items
+        meta = {"units": first.unit or "1", "long_name": LONG_NAMES[quantity]}
+        data[quantity] = (("time", dimension), values[:, columns], meta)
+    if library.manifest.levels:
+        coordinates["switched_mesh"] = list(library.manifest.levels)
+        meta = {"units": "1", "long_name": LONG_NAMES["mesh_level"]}
+        data["mesh_level"] = (("time", "switched_mesh"), path.levels.astype(np.int8), meta)
+    coordinates["state_name"] = [state.name for state in library.manifest.states]
+    state_meta = {
+        "units": "SI",
+        "long_name": "state vector",
+        "state_units": json.dumps([s.unit for s in library.manifest.states]),
+    }
+    data["state"] = (("time", "state_name"), path.x, state_meta)
+    plain = {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in attributes.items()}
+    return xr.Dataset(
+        data,
+        coords=coordinates,
+        attrs=plain | {"counts": json.dumps(asdict(path.counts)), "status": path.status},
+    )
+
+
+def _by_quantity(library: Library) -> dict[str, list[int]]:
+    """Return quantity -> columns of the output vector."""
+    columns: dict[str, list[int]] = {}
+    for i, report in enumerate(library.manifest.reports):
+        columns.setdefault(report.quantity, []).append(i)
+    return columns
+
+
+def check_target(path: Path) -> None:
+    """Refuse a result path that cannot be written, before anything is computed."""
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise LtcgearError(f"{path}: the folder {folder} does not exist; make it first")
+    if path.is_dir():
+        raise LtcgearError(f"{path}: is a folder; give a file name")
+    if not os.access(folder, os.W_OK):
+        raise LtcgearError(f"{path}: the folder {folder} cannot be written")
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder for results."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise LtcgearError(f"{path}: cannot be made: {error.strerror}; give another folder") from error
+
+
+def save(dataset: "xr.Dataset", path: Path) -> None:
+    """Write a NetCDF4 file; it appears whole or not at all.
+
+    Raises
+    ------
+    LtcgearError
+        If the folder is missing or cannot be written.
+    """
+    check_target(path)
+    floats = {name: variable for name, variable in dataset.items() if variable.dtype.kind == "f"}
+    encoding = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in floats}
+    handle, draft = tempfile.mkstemp(dir=path.resolve().parent, prefix=".draft-", suffix=".nc")
+    os.close(handle)
+    try:
+        dataset.to_netcdf(draft, engine="netcdf4", encoding=encoding)
+        Path(draft).chmod(0o644)
+        Path(draft).replace(path)
+    except OSError as error:
+        raise LtcgearError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        Path(draft).unlink(missing_ok=True)
+
+
+def load(path: Path) -> "xr.Dataset":
+    """Read a result file into memory.
+
+    Raises
+    ------
+    LtcgearError
+        If it is missing, damaged or not a result of ltcgear.
+    """
+    import xarray as xr
+
+    if not path.is_file():
+        raise LtcgearError(f"{path}: no such result file; `ltcgear simulate SCENE -o {path}` writes one")
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as opened:
+            dataset = opened.load()
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
+        raise LtcgearError(f"{path}: not a readable NetCDF4 file ({error}); simulate again") from error
+    if "ltcgear" not in dataset.attrs:
+        raise LtcgearError(f"{path}: not a result of ltcgear; give a file that `ltcgear simulate -o` wrote")
+    return dataset

@@ -1,0 +1,109 @@
+"""The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
+
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from difflib import get_close_matches
+from importlib.metadata import version
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from ltcgear.generated.errors import LtcgearError
+
+from .equilibrium import find_equilibrium
+from .integrate import integrate
+from .library import Library
+from .results import energy_residual, make_dataset
+from .statistics import mesh_statistics, steady_start
+from .stepper import METHODS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+DEFAULT_METHOD = "erk"
+DEFAULT_RTOL = 1e-6
+
+
+def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
+    """Refuse options that no integrator can serve, before anything is computed."""
+    if method not in METHODS:
+        near = get_close_matches(method, METHODS, 1)
+        hint = f'did you mean "{near[0]}"?' if near else f"there are {', '.join(METHODS)}"
+        raise LtcgearError(f"--method {method}: unknown; {hint}")
+    if not 1e-13 <= rtol <= 0.1:
+        raise LtcgearError(f"--rtol {rtol:g}: must lie between 1e-13 and 0.1")
+    if t_end is not None and not 0 < t_end < 1e7:
+        raise LtcgearError(f"--t-end {t_end:g}: must be a time in seconds greater than zero")
+
+
+@dataclass(frozen=True)
+class Result:
+    """A simulation: the data, and the summary that ``ltcgear simulate --json`` prints."""
+
+    dataset: "xr.Dataset"
+    summary: dict[str, Any]
+
+
+def simulate(
+    library: Library,
+    values: Mapping[str, float],
+    *,
+    t_end: float,
+    rate: float,
+    method: str = DEFAULT_METHOD,
+    rtol: float = DEFAULT_RTOL,
+    attributes: Mapping[str, Any] | None = None,
+    told: Callable[[float], None] = lambda t: None,
+) -> Result:
+    """Simulate from the loaded equilibrium.
+
+    Parameters
+    ----------
+    library
+        A built model.
+    values
+        Parameter name -> value in SI.
+    t_end, rate
+        Time to simulate [s] and samples a second [Hz].
+    method, rtol
+        Integrator (see ``stepper.METHODS``) and its relative tolerance, which refers to vibrations.
+    attributes
+        What the result file shall also tell, such as the scene.
+    told
+        Called with the simulated time now and then.
+
+    Raises
+    ------
+    SolverError
+        If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
+    """
+    p = library.parameters(values)
+    clock = perf_counter()
+    at = find_equilibrium(library, p)
+    seconds = {"equilibrium": perf_counter() - clock}
+    path = integrate(library, p, at, t_end=t_end, rate=rate, method=method, rtol=rtol, told=told)
+    seconds["integrate"] = path.seconds
+    clock = perf_counter()
+    versions = {name: version(name) for name in ("ltcgear", "casadi", "numpy", "xarray")}
+    versions["python"] = sys.version.split()[0]
+    summary: dict[str, Any] = {
+        "status": path.status,
+        "method": method,
+        "engine": library.engine,
+        "rtol": rtol,
+        "simulated_s": path.end,
+        "real_time_factor": path.end / path.seconds,
+        "counts": asdict(path.counts) | {"expected_events": path.expected_events},
+        "energy_residual": energy_residual(library, p, at, path),
+    }
+    about = {"ltcgear": versions["ltcgear"], "versions": versions, **(attributes or {}), **summary}
+    dataset = make_dataset(library, p, path, about)
+    seconds["outputs"] = perf_counter() - clock
+    return Result(dataset, summary | {"seconds": seconds, "forces": _forces(dataset)})
+
+
+def _forces(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return mean, extremes and load factor of every mesh force over the second half of the run."""
+    if "mesh_force" not in dataset or dataset.sizes["time"] < 4:
+        return {}
+    return mesh_statistics(dataset, steady_start(dataset))

@@ -1,0 +1,185 @@
+"""Spectra: amplitude spectra of results, their strongest lines and the lines' names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+#: Highest orders that still count as an explanation; beyond them coincidence rules.
+HARMONICS = 12
+CARRIER_ORDERS = 6
+SIDE_ORDERS = 3
+
+
+@dataclass(frozen=True)
+class Line:
+    """One peak of an amplitude spectrum.
+
+    Attributes
+    ----------
+    frequency_hz
+        Frequency of the peak's bin [Hz].
+    amplitude
+        Amplitude at that bin [unit of the signal].
+    """
+
+    frequency_hz: float
+    amplitude: float
+
+
+def amplitude_spectrum(signal: ArrayLike, rate: float) -> tuple[FloatArray, FloatArray]:
+    """Single-sided amplitude spectrum under a Hann window, its gain corrected.
+
+    A sine of amplitude A whose frequency falls on a bin reads A there. Bins are
+    ``rate / n`` apart (2 s of signal: 0.5 Hz) and two sines are told apart from
+    about two bins on. Half-way between two bins a sine reads 15 % low. The mean
+    is taken off before the window, so it cannot leak, and bin 0 is its magnitude.
+
+    Parameters
+    ----------
+    signal
+        Samples, shape (n,), n at least 4 [any unit].
+    rate
+        Sampling rate [Hz].
+
+    Returns
+    -------
+    frequency, amplitude
+        Both of shape (n // 2 + 1,) [Hz], [unit of the signal].
+
+    Raises
+    ------
+    ValueError
+        If the signal is not one-dimensional or has fewer than four samples.
+    """
+    samples = np.asarray(signal, dtype=np.float64)
+    if samples.ndim != 1 or samples.size < 4:
+        raise ValueError(f"a spectrum needs a row of at least 4 samples, got shape {samples.shape}")
+    count = samples.size
+    mean = samples.mean()
+    # The periodic window (not numpy.hanning's symmetric one) keeps bins orthogonal.
+    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
+    transform = np.fft.rfft((samples - mean) * window)
+    amplitude: FloatArray = np.abs(transform) * (2.0 / window.sum())
+    if count % 2 == 0:
+        amplitude[-1] *= 0.5  # the Nyquist bin has no mirror image to be added
+    amplitude[0] = abs(mean)
+    frequency = np.arange(count // 2 + 1, dtype=np.float64) * (rate / count)
+    return frequency, amplitude
+
+
+def planar_spectrum(x: ArrayLike, y: ArrayLike, rate: float) -> tuple[FloatArray, FloatArray]:
+    """Root-sum-square of the amplitude spectra of two axes.
+
+    Parameters
+    ----------
+    x, y
+        Samples along two perpendicular axes, shape (n,) each [same unit].
+    rate
+        Sampling rate [Hz].
+
+    Returns
+    -------
+    frequency, amplitude
+        As from `amplitude_spectrum`.
+    """
+    frequency, along_x = amplitude_spectrum(x, rate)
+    along_y = amplitude_spectrum(y, rate)[1]
+    return frequency, np.hypot(along_x, along_y)
+
+
+def strongest_lines(
+    frequency: FloatArray,
+    amplitude: FloatArray,
+    count: int,
+    separation_hz: float,
+    relative_floor: float = 1e-3,
+) -> list[Line]:
+    """Pick the strongest peaks of a spectrum, strongest first.
+
+    Parameters
+    ----------
+    frequency
+        Uniform bins, shape (m,) [Hz].
+    amplitude
+        Amplitudes, shape (m,) [any unit].
+    count
+        How many lines at most.
+    separation_hz
+        Of peaks closer than this only the strongest stays [Hz].
+    relative_floor
+        Peaks below this fraction of the strongest are numerical dust and dropped [1].
+
+    Returns
+    -------
+    list of Line
+        Possibly fewer than `count`. The first and last bin are never peaks.
+    """
+    from scipy.signal import find_peaks
+
+    bins = max(1, int(np.ceil(separation_hz / (frequency[1] - frequency[0]))))
+    peaks, _ = find_peaks(amplitude, distance=bins)
+    ordered = sorted(peaks, key=lambda peak: -float(amplitude[peak]))[:count]
+    return [
+        Line(float(frequency[peak]), float(amplitude[peak]))
+        for peak in ordered
+        if amplitude[peak] > 0.0 and amplitude[peak] >= relative_floor * amplitude[ordered[0]]
+    ]
+
+
+def name_line(frequency_hz: float, mesh_frequencies: Mapping[str, float], tolerance_hz: float) -> str:
+    """Name a line by the mesh frequencies that explain it.
+
+    Harmonics come first (``"3 x hsp"``), lowest order preferred; then sidebands of
+    a mesh's harmonic at the distance of a slower mesh's (``"hsp + 1 x lsp"``,
+    ``"2 x psh - 1 x hsp"``), lowest sum of orders preferred.
+
+    Parameters
+    ----------
+    frequency_hz
+        Frequency of the line [Hz].
+    mesh_frequencies
+        Frequency of each stage's mesh [Hz], by name.
+    tolerance_hz
+        Largest distance that still counts as a match [Hz]; at least half a bin.
+
+    Returns
+    -------
+    str
+        The name, or "" for a line that no combination explains.
+    """
+    turning = {name: value for name, value in mesh_frequencies.items() if value > 0.0}
+    for candidates in (_harmonics(turning), _sidebands(turning)):
+        matches = [
+            (order, abs(value - frequency_hz), name)
+            for order, value, name in candidates
+            if abs(value - frequency_hz) <= tolerance_hz
+        ]
+        if matches:
+            return min(matches)[2]
+    return ""
+
+
+def _harmonics(meshes: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+    """Yield order, frequency [Hz] and name of every harmonic considered."""
+    for name, value in meshes.items():
+        for order in range(1, HARMONICS + 1):
+            yield order, order * value, f"{order} x {name}"
+
+
+def _sidebands(meshes: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+    """Yield sum of orders, frequency [Hz] and name of every sideband considered."""
+    for carrier, centre in meshes.items():
+        for side, distance in meshes.items():
+            if distance >= centre:
+                continue
+            for order in range(1, CARRIER_ORDERS + 1):
+                middle = carrier if order == 1 else f"{order} x {carrier}"
+                for step in range(1, SIDE_ORDERS + 1):
+                    yield order + step, order * centre + step * distance, f"{middle} + {step} x {side}"
+                    yield order + step, order * centre - step * distance, f"{middle} - {step} x {side}"

@@ -1,0 +1,283 @@
+"""One segment of smooth motion, by CasADi's integrators behind one interface.
+
+All integrate z with x = x_ref + S z over the segment's own time 0..1, so that one relative tolerance
+refers to vibrations and not to how far a shaft has turned. ``cvodes`` and ``idas`` run on the compiled
+right-hand side and Jacobian; ``erk`` and ``rosenbrock`` are emitted and compiled whole.
+"""
+
+import ctypes
+import re
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import casadi as ca
+import numpy as np
+from ltcgear.generated import store
+from ltcgear.generated.errors import LtcgearError
+from numpy.typing import NDArray
+
+from .kernel import Kernel
+from .library import Library
+
+Vector = NDArray[np.float64]
+
+METHODS = {
+    "erk": "explicit Runge-Kutta 5(4), compiled whole",
+    "cvodes": "SUNDIALS CVODES, BDF, on compiled right-hand side and Jacobian",
+    "idas": "SUNDIALS IDAS, BDF, on compiled right-hand side and Jacobian",
+    "rosenbrock": "L-stable Rosenbrock, compiled whole; for very stiff models",
+}
+MULTISTEP = ("cvodes", "idas")
+MOST_STEPS = 1_000_000
+
+
+@dataclass
+class Counts:
+    """What a run has cost; added up over segments."""
+
+    steps: int = 0
+    rhs: int = 0
+    jacobian: int = 0
+    rejected: int = 0
+    segments: int = 0
+    events: int = 0
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The affine scaling x = x_ref + S z, shapes (n,)."""
+
+    origin: Vector
+    scale: Vector
+
+
+class Stepper(Protocol):
+    """Integrates one segment."""
+
+    counts: Counts
+
+    def advance(self, z: Vector, duration: float, origin: Vector, levels: Vector) -> tuple[Vector, float]:
+        """Return z at the nodes, shape (nodes, n), and the work done on the system [J]."""
+
+
+def make_stepper(library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector) -> Stepper:
+    """Make a stepper.
+
+    Parameters
+    ----------
+    library, p
+        Model and parameters.
+    method
+        A key of ``METHODS``.
+    rtol
+        Relative tolerance; the absolute one is the same times the scale of each state.
+    frame
+        Scaling.
+    nodes
+        Output times within a segment, in 0..1 with 1 last, shape (m,).
+    """
+    if method not in METHODS:
+        raise LtcgearError(f"method {method!r}: there are {', '.join(METHODS)}")
+    if method in MULTISTEP or library.path is None:
+        return _CasadiStepper(library, method, rtol, frame, p, nodes)
+    return _WholeStepper(library, method, rtol, frame, p, nodes)
+
+
+def _layout(library: Library) -> dict[str, int]:
+    """Return the sizes of the parts of an integrator's parameter vector, in order."""
+    n, levels, numbers = (library.functions["rhs"].size1_in(i) for i in range(3))
+    return {"duration": 1, "rtol": 1, "first": 1, "origin": n, "scale": n, "s": levels, "p": numbers}
+
+
+def _problem(library: Library, functions: dict[str, ca.Function], symbol: Any) -> dict[str, Any]:  # noqa: ANN401
+    """Write the scaled problem with symbols of one kind (SX inlines, MX calls)."""
+    part = {name: symbol.sym(name, size) for name, size in _layout(library).items()}
+    z = symbol.sym("z", part["scale"].shape[0])
+    x = part["origin"] + part["scale"] * z
+    rate = functions["rhs"](x, part["s"], part["p"])
+    balance = functions["energy"](x, part["s"], part["p"])
+    ode, power = part["duration"] * rate / part["scale"], part["duration"] * (balance[2] - balance[3])
+    if symbol is ca.SX:
+        ode, power = ca.cse([ode, power])
+    return {"x": z, "p": ca.vertcat(*part.values()), "ode": ode, "quad": power}
+
+
+class _Base:
+    """What both kinds share: the parameter vector and the call."""
+
+    def __init__(self, library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector) -> None:
+        self.counts = Counts()
+        self.method, self.rtol, self.frame, self.nodes, self.library = method, rtol, frame, nodes, library
+        self.size = len(frame.scale)
+        self.function = self._make()
+        self.kernel = Kernel(self.function)
+        self.part: dict[str, Vector] = {}
+        start, vector = 0, self.kernel.arguments[self.function.index_in("p")]
+        for name, length in _layout(library).items():
+            self.part[name] = vector[start : start + length]
+            start += length
+        self.part["rtol"][:], self.part["scale"][:], self.part["p"][:] = rtol, frame.scale, p
+        self.state = self.kernel.arguments[self.function.index_in("x0")]
+        self.end = self.kernel.results[self.function.index_out("xf")]
+        self.work = self.kernel.results[self.function.index_out("qf")]
+
+    def _make(self) -> ca.Function:
+        raise LtcgearError("a stepper makes its own function")
+
+    def _count(self, duration: float) -> None:
+        raise LtcgearError("a stepper keeps its own counts")
+
+    def _evaluate(self) -> None:
+        """Evaluate the integrator on the buffers; RuntimeError where it fails."""
+        self.kernel.evaluate()
+
+    def advance(self, z: Vector, duration: float, origin: Vector, levels: Vector) -> tuple[Vector, float]:
+        """Return z at the nodes, shape (nodes, n), and the work done on the system [J]."""
+        self.state[:] = z
+        self.part["duration"][:], self.part["origin"][:], self.part["s"][:] = duration, origin, levels
+        self._evaluate()
+        self._count(duration)
+        path = self.end.reshape(len(self.nodes), self.size)
+        if not np.isfinite(path[-1]).all():
+            raise RuntimeError("a value is not finite")
+        return path, float(self.work[-1])
+
+
+class _CasadiStepper(_Base):
+    """An integrator of CasADi's that calls the generated functions one by one."""
+
+    def _make(self) -> ca.Function:
+        options: dict[str, Any] = {"reltol": self.rtol, "abstol": self.rtol, "max_num_steps": MOST_STEPS}
+        if self.method in MULTISTEP:
+            options |= {"linear_solver": "csparse", "show_eval_warnings": False}
+        symbol = ca.MX if self.method in MULTISTEP else ca.SX
+        functions = self.library.functions if symbol is ca.MX else self.library.graphs
+        problem = _problem(self.library, functions, symbol)
+        return ca.integrator("segment", self.method, problem, 0, self.nodes.tolist(), options)
+
+    def _evaluate(self) -> None:
+        """Call the integrator plainly: its statistics belong to the memory of such a call."""
+        vector = self.kernel.arguments[self.function.index_in("p")]
+        result = self.function(x0=self.state, p=vector)
+        self.end[:] = np.asarray(result["xf"]).ravel(order="F")
+        self.work[:] = np.asarray(result["qf"]).ravel()
+
+    def _count(self, duration: float) -> None:
+        stats = self.function.stats()
+        self.counts.segments += 1
+        self.counts.steps += stats.get("nsteps", stats.get("n_steps", 0))
+        self.counts.rhs += stats.get("nfevals", stats.get("n_rhs", 0))
+        self.counts.jacobian += stats.get("n_call_jacF", stats.get("n_jac", 0))
+        self.counts.rejected += stats.get("netfails", stats.get("n_reject", 0))
+
+
+TALLY = """
+static long long ltcgear_tally[4];
+static double ltcgear_step;
+CASADI_SYMBOL_EXPORT void ltcgear_read(long long* counts, double* step) {
+  int i;
+  for (i = 0; i < 4; ++i) counts[i] = ltcgear_tally[i];
+  *step = ltcgear_step;
+}
+"""
+COUNT = """      ltcgear_tally[0] += d.n_steps; ltcgear_tally[1] += d.n_rhs; ltcgear_tally[2] += d.n_jac;
+      ltcgear_tally[3] += d.n_reject; ltcgear_step = d.h_next; casadi_ivp_clear_stats(&d);
+"""
+
+
+def whole_c(library: Library, method: str, nodes: Vector) -> str:
+    """Emit a whole integrator as C, with tolerance and first step as parameters and with counters.
+
+    CasADi bakes tolerances in and keeps no statistics in emitted C; four lines are changed for that, and
+    each must be found exactly once, since the text is another release's to change.
+    """
+    problem = _problem(library, library.graphs, ca.SX)
+    function = ca.integrator("segment", method, problem, 0, nodes.tolist(), {"max_num_steps": MOST_STEPS})
+    with tempfile.TemporaryDirectory() as folder:
+        # CasADi takes the file's stem as a prefix, so the folder must come as a prefix argument.
+        generator = ca.CodeGenerator("segment.c", {"casadi_int": "long long int"})
+        generator.add(function)
+        generator.generate(folder + "/")
+        text = Path(folder, "segment.c").read_text("utf-8")
+    changes = (
+        (r"  p\.abstol = [^;]*;", "  p.abstol = arg[2][1];"),
+        (r"  p\.reltol = [^;]*;", "  p.reltol = arg[2][1];"),
+        (r"  p\.h_init = [^;]*;", "  p.h_init = arg[2][2];"),
+        (r"      if \(d\.status != IVP_SUCCESS\) return 1;\n", COUNT + r"\g<0>"),
+        (r"static int casadi_f0\(", TALLY + r"\g<0>"),
+    )
+    for pattern, replacement in changes:
+        pieces = list(re.finditer(pattern, text))
+        pieces = [
+            m
+            for m in pieces
+            if not text[m.end() :].startswith(
+                "const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem);"
+            )
+        ]
+        if len(pieces) != 1:
+            raise LtcgearError(
+                f"CasADi's emitted integrator has changed: {pattern} found {len(pieces)} times, not once"
+            )
+        text = text[: pieces[0].start()] + pieces[0].expand(replacement) + text[pieces[0].end() :]
+    return text
+
+
+class _WholeStepper(_Base):
+    """An integrator that is one compiled C function; steps carry over from segment to segment."""
+
+    def _make(self) -> ca.Function:
+        compiler = store.compiler()
+        if compiler is None:
+            raise LtcgearError("the model was compiled but the compiler is gone")
+        path = store.library(whole_c(self.library, self.method, self.nodes), compiler)
+        self._reader = ctypes.CDLL(str(path)).ltcgear_read
+        self._tally, self._step = (ctypes.c_longlong * 4)(), ctypes.c_double()
+        self._reader(self._tally, ctypes.byref(self._step))
+        self._before, self._last = tuple(self._tally), 0.0
+        return ca.external("segment", str(path))
+
+    def advance(self, z: Vector, duration: float, origin: Vector, levels: Vector) -> tuple[Vector, float]:
+        """Integrate a segment, beginning with the step the last one ended with."""
+        self.part["first"][:] = min(self._last / duration, 1.0)
+        return super().advance(z, duration, origin, levels)
+
+    def _count(self, duration: float) -> None:
+        self._reader(self._tally, ctypes.byref(self._step))
+        steps, rhs, jacobian, rejected = (now - before for now, before in zip(self._tally, self._before, strict=True))
+        self._before, self._last = tuple(self._tally), self._step.value * duration
+        self.counts.segments += 1
+        self.counts.steps += steps
+        self.counts.rhs += rhs
+        self.counts.jacobian += jacobian
+        self.counts.rejected += rejected
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Output nodes of a segment and how to read any time between them.
+
+    Chebyshev-Lobatto points in 0..1; barycentric interpolation through them (Berrut and Trefethen 2004).
+    """
+
+    count: int
+    points: Vector = field(init=False)
+    weights: Vector = field(init=False)
+
+    def __post_init__(self) -> None:
+        k = np.arange(self.count + 1)
+        weights = np.where(k % 2 == 0, 1.0, -1.0)
+        weights[[0, -1]] /= 2
+        object.__setattr__(self, "points", (1 - np.cos(np.pi * k / self.count)) / 2)
+        object.__setattr__(self, "weights", weights)
+
+    def matrix(self, times: Vector) -> Vector:
+        """Return the matrix that takes values at the points to values at ``times``, shape (len, count + 1)."""
+        gap = times[:, None] - self.points[None, :]
+        hit = np.abs(gap) < 1e-14
+        terms = self.weights / np.where(hit, 1.0, gap)
+        terms[hit.any(axis=1)] = 0.0
+        terms[hit] = 1.0
+        return np.asarray(terms / terms.sum(axis=1, keepdims=True))

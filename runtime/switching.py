@@ -1,0 +1,71 @@
+"""Mesh levels as discrete states: single or double contact, by the mesh phase (eqs 9-11).
+
+A phase tau is in cell 2 n while n <= tau < n + share (single contact, level 0) and in cell 2 n + 1
+until n + 1 (double contact, level 1). Cells are whole numbers, so no switching is lost or doubled.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+Cells = NDArray[np.int64]
+
+AT_BORDER = 1e-9
+"""How close to a border [cycles] counts as being there: about a micrometre of rolling in a thousand turns."""
+
+
+@dataclass(frozen=True)
+class Phases:
+    """Mesh phases at one instant: tau [cycles], rate [1/s], share of single contact."""
+
+    tau: Vector
+    rate: Vector
+    share: Vector
+
+
+def cells_of(phases: Phases) -> Cells:
+    """Return each phase's cell; at a border, the cell it is entering."""
+    whole = np.floor(phases.tau + AT_BORDER)
+    part = phases.tau - whole
+    cells = (2 * whole + (part >= phases.share - AT_BORDER)).astype(np.int64)
+    leaving = (phases.rate < 0) & (np.abs(phases.tau - lower(cells, phases.share)) <= AT_BORDER)
+    return np.asarray(cells - leaving)
+
+
+def levels_of(cells: Cells) -> Vector:
+    """Return the levels: 0 in single contact, 1 in double contact."""
+    return np.asarray(cells % 2, dtype=np.float64)
+
+
+def lower(cells: Cells, share: Vector) -> Vector:
+    """Return the lower border of cells [cycles]."""
+    return np.asarray(cells // 2 + np.where(cells % 2 == 1, share, 0.0))
+
+
+def upper(cells: Cells, share: Vector) -> Vector:
+    """Return the upper border of cells [cycles]."""
+    return lower(cells + 1, share)
+
+
+def time_to_border(cells: Cells, phases: Phases) -> float:
+    """Return the time [s] to the next border at the present rates; infinite where nothing turns."""
+    ahead = np.where(phases.rate > 0, upper(cells, phases.share), lower(cells, phases.share)) - phases.tau
+    moving = phases.rate != 0
+    if not moving.any():
+        return float("inf")
+    return max(float((ahead[moving] / phases.rate[moving]).min()), 0.0)
+
+
+def crossed(cells: Cells, phases: Phases) -> tuple[Cells, float]:
+    """Return the cells after a step, and by how much [cycles] the worst phase has passed its border.
+
+    All phases that stand at a border together (planets in phase) switch together.
+    """
+    over = phases.tau - upper(cells, phases.share)
+    under = lower(cells, phases.share) - phases.tau
+    step = ((over >= -AT_BORDER) & (phases.rate > 0)).astype(np.int64)
+    step -= ((under >= -AT_BORDER) & (phases.rate < 0)).astype(np.int64)
+    beyond = float(max(over.max(initial=0.0), under.max(initial=0.0)))
+    return cells + step, beyond

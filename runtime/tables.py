@@ -1,0 +1,112 @@
+"""Tables: small immutable results that print in a terminal and convert to JSON."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+Cell = str | int | float | None
+
+
+@dataclass(frozen=True)
+class Table:
+    """A titled table with notes.
+
+    Attributes
+    ----------
+    title
+        What the table shows, with its source.
+    columns
+        Heading of each column, units in square brackets.
+    rows
+        Rows of cells, each as long as `columns`; None is an empty cell.
+    notes
+        Remarks printed below the table.
+
+    Raises
+    ------
+    ValueError
+        If a row is not as long as `columns`.
+    """
+
+    title: str
+    columns: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        for number, row in enumerate(self.rows, start=1):
+            if len(row) != len(self.columns):
+                raise ValueError(f"row {number} of {self.title!r} has {len(row)} cells for {len(self.columns)} columns")
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain lists and dictionaries, numbers at full precision, NaN as null."""
+        return {
+            "title": self.title,
+            "columns": list(self.columns),
+            "rows": [[_plain(cell) for cell in row] for row in self.rows],
+            "notes": list(self.notes),
+        }
+
+    def column(self, heading: str) -> tuple[Cell, ...]:
+        """Cells of one column, top to bottom.
+
+        Raises
+        ------
+        ValueError
+            If there is no such column.
+        """
+        if heading not in self.columns:
+            raise ValueError(f"no column {heading!r}; there are {', '.join(self.columns)}")
+        place = self.columns.index(heading)
+        return tuple(row[place] for row in self.rows)
+
+    def __rich__(self) -> RenderableType:
+        from rich.console import Group
+        from rich.table import Table as RichTable
+        from rich.text import Text
+
+        # Text throughout: rich would read "[Hz]" in a plain string as markup.
+        broken = [any("\n" in str(row[place]) for row in self.rows) for place in range(len(self.columns))]
+        table = RichTable(title=Text(self.title), title_justify="left", show_lines=any(broken))
+        for place, heading in enumerate(self.columns):
+            numeric = all(not isinstance(row[place], str) for row in self.rows)
+            # The row's name and cells with lines of their own keep their width; the rest gives way.
+            table.add_column(
+                Text(heading),
+                justify="right" if numeric else "left",
+                no_wrap=place == 0 or broken[place],
+                overflow="fold",
+            )
+        for row in self.rows:
+            table.add_row(*(Text(_shown(cell)) for cell in row))
+        return Group(table, *(Text(f"- {note}") for note in self.notes))
+
+    def print(self, console: Console | None = None) -> None:
+        """Print to a console, by default standard output."""
+        from rich.console import Console
+
+        (console or Console()).print(self)
+
+
+def _plain(cell: Cell) -> Cell:
+    """Cell as strict JSON allows it."""
+    return None if isinstance(cell, float) and not math.isfinite(cell) else cell
+
+
+def _shown(cell: Cell) -> str:
+    """Cell as a reader wants it: about as many digits as the paper prints, a dash for nothing."""
+    if cell is None or (isinstance(cell, float) and math.isnan(cell)):
+        return "-"
+    if not isinstance(cell, float):
+        return str(cell)
+    size = abs(cell)
+    if size >= 1e5:
+        return f"{cell:.4e}"
+    if size >= 1e3:
+        return f"{cell:.2f}"
+    return f"{cell:.5g}" if size >= 1.0 else f"{cell:.3g}"

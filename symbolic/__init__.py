@@ -1,0 +1,1 @@
+"""Scenes to equations to C text (SymPy; CasADi only where expressions are lowered)."""

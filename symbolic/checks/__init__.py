@@ -1,0 +1,1 @@
+"""Checks: derivations compared with one another, with print and with known numbers."""

@@ -1,0 +1,213 @@
+r"""Check: the laws that every element must obey, at seeded random states with the model's own numbers.
+
+Forces of springs and weights are the gradient of their energy; what two bodies do to each other cancels in
+force and in moment; what a damper or friction does takes power, and as much as is booked as loss; and every
+formula keeps its units: scaled lengths, masses and times scale each quantity by its own unit.
+"""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+import sympy as sp
+from numpy.typing import NDArray
+
+from ..elements import Element, make
+from ..elements.base import COORDINATE_UNITS, RATE_UNITS
+from ..lower import lower
+from ..model import Instance, Model
+from ..units import dimension
+from .base import Check, Writer, element_types, judged, title
+
+Array = NDArray[np.float64]
+
+STATES, SIZE, RATE = 20, 1e-4, 1e-1
+TOLERANCE, UNIT_TOLERANCE = 1e-10, 1e-9
+FACTORS = {"length": 1.7, "mass": 0.6, "time": 1.3}
+RESULTS = ("wrench", "potential", "dissipation")
+
+
+class Bench:
+    """One element type with random states near its place in the model.
+
+    Parameters
+    ----------
+    label
+        Plain name of the element type.
+    element
+        The element.
+    instance, model
+        Where it works, for its parameters and the places of its bodies.
+    """
+
+    def __init__(self, label: str, element: Element, instance: Instance, model: Model) -> None:
+        self.label, self.element = label, element
+        self.arguments = self._draw(instance, model)
+
+    def _draw(self, instance: Instance, model: Model) -> Array:
+        """Draw coordinates, rates and parameters: one row an argument, one column a state."""
+        rng = np.random.default_rng(20210611)
+        numbers, bodies = model.values(), {body.name: body for body in model.bodies}
+        places = [bodies[name].place for name in instance.bodies]
+        rows = [
+            (numbers[place[axis]] if place and axis < 2 else 0.0) + SIZE * rng.uniform(-1.0, 1.0, STATES)
+            for place in places
+            for axis in range(3)
+        ]
+        rows += [RATE * rng.uniform(-1.0, 1.0, STATES) for _ in self.element.velocities]
+        for symbol in self.element.parameters:
+            known = numbers.get(instance.bind[symbol.name])
+            rows.append(rng.uniform(0.0, 1.0, STATES) if known is None else np.full(STATES, known))
+        return np.array(rows)
+
+    @cached_property
+    def function(self) -> ca.Function:
+        """Lower everything that the checks look at."""
+        element = self.element
+        leaves = {symbol: ca.SX.sym(symbol.name) for symbol in element.arguments}
+        reports = [output.expression for output in element.outputs.values()]
+        values = lower([*element.wrench, element.potential, element.dissipation, *reports], leaves)
+        wrench, (potential, dissipation, *rest) = (
+            ca.vertcat(*values[: len(element.wrench)]),
+            values[len(element.wrench) :],
+        )
+        q = ca.vertcat(*(leaves[symbol] for symbol in element.coordinates))
+        v = ca.vertcat(*(leaves[symbol] for symbol in element.velocities))
+        gradient, loss = ca.gradient(potential, q), ca.dot(ca.gradient(dissipation, v), v)
+        return ca.Function(
+            "bench", [ca.vertcat(*leaves.values())],
+            [wrench, potential, dissipation, ca.vertcat(*rest), gradient, loss],
+            ["arguments"], [*RESULTS, "outputs", "gradient", "loss"],
+        )  # fmt: skip
+
+    def values(self, arguments: Array | None = None) -> dict[str, Array]:
+        """Evaluate at the bench's states, or at given ones; each result has one column a state."""
+        columns = self.arguments if arguments is None else arguments
+        found = [self.function(arguments=column) for column in columns.T]
+        return {name: np.hstack([np.asarray(one[name]).reshape(-1, 1) for one in found]) for name in found[0]}
+
+    @property
+    def resting(self) -> Array:
+        """Return the states with nothing moving."""
+        still = self.arguments.copy()
+        count = len(self.element.coordinates)
+        still[count : 2 * count] = 0.0
+        return still
+
+    @property
+    def velocities(self) -> Array:
+        """Return the rates of all ports."""
+        count = len(self.element.coordinates)
+        return self.arguments[count : 2 * count]
+
+
+def relative(difference: Array, *parts: Array) -> float:
+    """Return the largest difference over the largest of the parts, row by row; infinite if not finite."""
+    if not np.isfinite(difference).all():
+        return float("inf")
+    size = np.max([np.abs(part).max(axis=1) for part in parts], axis=0)
+    largest = np.abs(difference).max(axis=1)
+    return float(np.max(np.divide(largest, size, out=np.where(largest > 0, np.inf, 0.0), where=size > 0), initial=0.0))
+
+
+def conservative_force(bench: Bench) -> Check:
+    """Check that the force at rest is minus the gradient of the potential energy (by CasADi)."""
+    at_rest = bench.values(bench.resting)
+    value = relative(at_rest["wrench"] + at_rest["gradient"], at_rest["wrench"], at_rest["gradient"])
+    note = f"wrench at rest against -grad V by automatic differentiation, {STATES} random states"
+    return judged(f"{bench.label}: force is the slope of the energy", value, TOLERANCE, note)
+
+
+def action_and_reaction(bench: Bench) -> list[Check]:
+    """Check that the two bodies of an element push each other equally, and about the same line."""
+    wrench = bench.values()["wrench"]
+    fx1, fy1, torque1, fx2, fy2, torque2 = wrench
+    x1, y1, _, x2, y2, _ = bench.arguments[:6]
+    push = np.array([fx1 + fx2, fy1 + fy2])
+    arms = np.array([torque1, torque2, x1 * fy1 - y1 * fx1, x2 * fy2 - y2 * fx2])
+    force = np.max(np.abs(wrench[[0, 1, 3, 4]]), axis=0, keepdims=True)
+    note = f"{STATES} random states; sum over the largest part"
+    return [
+        judged(f"{bench.label}: action equals reaction", relative(push, force, force), TOLERANCE, note),
+        judged(
+            f"{bench.label}: moments about any point balance",
+            relative(arms.sum(axis=0, keepdims=True), np.max(np.abs(arms), axis=0, keepdims=True)), TOLERANCE, note,
+        ),
+    ]  # fmt: skip
+
+
+def dissipated_power(bench: Bench) -> list[Check]:
+    """Check that the part of the wrench that comes with motion takes power, and what is booked as loss."""
+    moving, at_rest = bench.values(), bench.values(bench.resting)
+    power = np.sum((moving["wrench"] - at_rest["wrench"]) * bench.velocities, axis=0, keepdims=True)
+    parts = np.abs(moving["wrench"] * bench.velocities).max(axis=0, keepdims=True)
+    gain = relative(np.maximum(power, 0.0), parts)
+    booked = relative(power + moving["loss"], parts)
+    note = f"power of the wrench without its part at rest, {STATES} random states; over the largest power in it"
+    return [
+        judged(f"{bench.label}: never feeds energy", gain, TOLERANCE, note),
+        judged(f"{bench.label}: the power it takes is the loss that is booked", booked, TOLERANCE, note),
+    ]
+
+
+def scale_of(unit: str) -> float:
+    """Return by how much a quantity grows when lengths, masses and times are scaled by ``FACTORS``."""
+    return float(np.prod([FACTORS[name] ** power for name, power in dimension(unit).items()]))
+
+
+def result_units(element: Element) -> dict[str, Sequence[str]]:
+    """Return the units of an element's results."""
+    return {
+        "wrench": ("N", "N", "N*m") * len(element.ports),
+        "potential": ("J",),
+        "dissipation": ("W",),
+        "outputs": tuple(output.unit for output in element.outputs.values()),
+    }
+
+
+def homogeneous(bench: Bench) -> Check:
+    """Check that every formula keeps its units."""
+    element, ports = bench.element, len(bench.element.ports)
+    units = [*COORDINATE_UNITS * ports, *RATE_UNITS * ports, *element.parameters.values()]
+    scales = np.array([[scale_of(unit)] for unit in units])
+    plain, scaled = bench.values(), bench.values(bench.arguments * scales)
+    worst = 0.0
+    for name, its_units in result_units(element).items():
+        if its_units:
+            expected = plain[name] * np.array([[scale_of(unit)] for unit in its_units])
+            worst = max(worst, relative(scaled[name] - expected, *_sizes(expected, its_units)))
+    factors = ", ".join(f"{name} x {factor}" for name, factor in FACTORS.items())
+    note = f"{factors}: forces, energies and outputs scale by their units; an angle is a number"
+    return judged(f"{bench.label}: units are consistent", worst, UNIT_TOLERANCE, note)
+
+
+def _sizes(expected: Array, units: Sequence[str]) -> tuple[Array]:
+    """Return the largest magnitude among rows of one unit, for each row."""
+    largest: Mapping[str, float] = {
+        unit: max(float(np.abs(row).max()) for row, other in zip(expected, units, strict=True) if other == unit)
+        for unit in units
+    }
+    return (np.array([[largest[unit]] for unit in units]),)
+
+
+def element_physics(bench: Bench) -> list[Check]:
+    """Run the checks that apply to one element type."""
+    element = bench.element
+    checks = []
+    if element.gradient and element.potential != 0:
+        checks.append(conservative_force(bench))
+    if len(element.ports) == 2:
+        checks += action_and_reaction(bench)
+    if sp.sympify(element.dissipation) != 0:
+        checks += dissipated_power(bench)
+    return [*checks, homogeneous(bench)]
+
+
+def physics(model: Model, write: Writer = make) -> list[Check]:
+    """Check every element type of a model, with the numbers of its first instance."""
+    return [
+        check
+        for key, instance in element_types(model).items()
+        for check in element_physics(Bench(title(key), write(key), instance, model))
+    ]

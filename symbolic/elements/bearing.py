@@ -1,0 +1,84 @@
+"""Bearings: of a planet on its carrier (pin), and of a member in the housing."""
+
+import sympy as sp
+
+from .base import Element, Output, Port, positive, real
+
+CARRIER, PLANET = Port.numbered(1), Port.numbered(2)
+K, C = positive("k"), positive("c")
+X0, Y0 = real("x_0"), real("y_0")
+MU, DB, CR, OMEGA0, EPS = (positive(n) for n in ("mu", "d_b", "c_r", "omega_0", "F_0"))
+
+
+def pin_place() -> tuple[sp.Expr, sp.Expr]:
+    """Return the arm from the carrier's centre to the pin's nominal place [m], turned with the carrier."""
+    cos, sin = sp.cos(CARRIER.theta), sp.sin(CARRIER.theta)
+    return X0 * cos - Y0 * sin, X0 * sin + Y0 * cos
+
+
+def pin_deflection() -> tuple[sp.Expr, sp.Expr]:
+    """Return the planet's displacement from its pin, eq 29 (whose y row prints a cosine for the sine)."""
+    ax, ay = pin_place()
+    return PLANET.x - CARRIER.x - ax, PLANET.y - CARRIER.y - ay
+
+
+def pin(damped: bool) -> Element:
+    """Write the planet bearing, eqs 29-30; its damper sees the motion against the turning carrier."""
+    ux, uy = pin_deflection()
+    ax, ay = pin_place()
+    rx, ry = PLANET.x - CARRIER.x, PLANET.y - CARRIER.y
+    vx = PLANET.vx - CARRIER.vx + CARRIER.omega * ry
+    vy = PLANET.vy - CARRIER.vy - CARRIER.omega * rx
+    c = C if damped else sp.S.Zero
+    fx, fy = K * ux + c * vx, K * uy + c * vy
+    torque = ax * K * uy - ay * K * ux + c * (rx * vy - ry * vx)
+    return Element(
+        name="pin" + "_damped" * damped,
+        ports=(CARRIER, PLANET),
+        parameters={K: "N/m"} | ({C: "N*s/m"} if damped else {}) | {X0: "m", Y0: "m"},
+        potential=K * (ux**2 + uy**2) / 2,
+        dissipation=c * (vx**2 + vy**2) / 2,
+        wrench=(fx, fy, torque, -fx, -fy, sp.S.Zero),
+        outputs={"force_x": Output(-fx, "N"), "force_y": Output(-fy, "N")},
+        source="Wu et al. 2021 eqs 29-30",
+    )
+
+
+def pin_friction() -> Element:
+    """Write the friction torque of the planet bearing, eq 30 with the speed's sign made dissipative."""
+    ux, uy = pin_deflection()
+    load = sp.sqrt((K * ux) ** 2 + (K * uy) ** 2 + EPS**2)
+    speed = PLANET.omega - CARRIER.omega
+    torque = -(MU * load * DB / 2 * sp.tanh(speed / OMEGA0) + CR * speed)
+    zero = sp.S.Zero
+    return Element(
+        name="pin_friction",
+        ports=(CARRIER, PLANET),
+        parameters={
+            K: "N/m", X0: "m", Y0: "m", MU: "", DB: "m", CR: "N*m*s/rad", OMEGA0: "rad/s", EPS: "N",
+        },
+        dissipation=MU * load * DB / 2 * OMEGA0 * sp.log(sp.cosh(speed / OMEGA0)) + CR * speed**2 / 2,
+        wrench=(zero, zero, -torque, zero, zero, torque),
+        outputs={"friction_torque": Output(torque, "N*m")},
+        rates="absolute",
+        source="Wu et al. 2021 eq 30, sign made dissipative and the load's root kept off zero by F_0",
+    )  # fmt: skip
+
+
+def ground_bearing(damped: bool) -> Element:
+    """Write the isotropic bearing of a member in the housing, the k_B terms of eqs 31-34."""
+    body = Port.numbered(1)
+    ux, uy = body.x - X0, body.y - Y0
+    c = C if damped else sp.S.Zero
+    fx, fy = -K * ux - c * body.vx, -K * uy - c * body.vy
+    return Element(
+        name="ground_bearing" + "_damped" * damped,
+        ports=(body,),
+        parameters={K: "N/m"} | ({C: "N*s/m"} if damped else {}) | {X0: "m", Y0: "m"},
+        potential=K * (ux**2 + uy**2) / 2,
+        dissipation=c * (body.vx**2 + body.vy**2) / 2,
+        wrench=(fx, fy, sp.S.Zero),
+        outputs={"force_x": Output(fx, "N"), "force_y": Output(fy, "N")},
+        rates="absolute",
+        source="Wu et al. 2021 eqs 31-34; its damper: assumed form",
+    )

@@ -1,0 +1,52 @@
+r"""Tangential mesh force at the pitch point: the paper's, made dissipative.
+
+The paper's force (eqs 14 and 27) is :math:`(\mu N + c\,\dot\delta_t)\operatorname{sgn}\dot\delta_t`:
+its viscous part is positive whatever the direction, so it feeds energy. Here the force opposes the
+relative speed :math:`v_t` of the two bodies at the pitch point, at a right angle to the line of action,
+
+.. math:: F = -(\mu |N| \tanh(v_t/v_0) + c_t v_t), \qquad
+          v_t = \dot d\cos\alpha + \sigma s \tan\alpha\,
+          [r_1(\omega_1-\dot\gamma) + \sigma r_2(\omega_2-\dot\gamma)],
+
+with the paper's moment arms :math:`r\tan\alpha` (eqs 32, 34). N is the spring's part of the normal force.
+"""
+
+import sympy as sp
+
+from .base import Element, Output, positive
+from .mesh import ONE, R1, R2, TWO, UNITS, S, deflection, geometry, stiffness
+
+MU, CT, V0 = (positive(n) for n in ("mu", "c_t", "v_0"))
+
+
+def sliding_speed(kind: str) -> sp.Expr:
+    """Return v_t [m/s], body 2 against body 1, at the pitch point."""
+    g = geometry(kind)
+    mx, my = g.along
+    turning = g.sigma * S * (g.h / g.c) * (R1 * ONE.omega + g.sigma * R2 * TWO.omega)
+    return mx * (TWO.vx - ONE.vx) + my * (TWO.vy - ONE.vy) + turning
+
+
+def mesh_friction(kind: str, law: str, switched: bool) -> Element:
+    """Write the pitch-point friction of one mesh type (arguments as in ``mesh``)."""
+    g = geometry(kind)
+    normal = sp.Abs(stiffness(switched) * deflection(kind, law))
+    speed = sliding_speed(kind)
+    force = -(MU * normal * sp.tanh(speed / V0) + CT * speed)
+    mx, my = g.along
+    arm = S * (g.h / g.c) * force
+    wrench = (
+        -force * mx, -force * my, g.sigma * R1 * arm,
+        force * mx, force * my, R2 * arm,
+    )  # fmt: skip
+    free = set().union(*(e.free_symbols for e in wrench))
+    units = UNITS | {MU: "", CT: "N*s/m", V0: "m/s"}
+    return Element(
+        name=f"mesh_friction_{kind}_{law}" + "_switched" * switched,
+        ports=(ONE, TWO),
+        parameters={symbol: unit for symbol, unit in units.items() if symbol in free},
+        dissipation=MU * normal * V0 * sp.log(sp.cosh(speed / V0)) + CT * speed**2 / 2,
+        wrench=wrench,
+        outputs={"friction": Output(force, "N")},
+        source="Wu et al. 2021 eqs 14, 27, 32, 34, sign made dissipative",
+    )

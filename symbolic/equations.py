@@ -1,0 +1,342 @@
+"""Third stage: Model -> Equations, the elements instanced and summed on the bodies, in CasADi.
+
+Element types were derived in SymPy; here each instance is one call of its type's function, so the work
+grows with the number of gears only as fast as the equations themselves do.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import casadi as ca
+from ltcgear.generated.contract import Report, State
+
+from .elements import make
+from .lower import body_function, element_function
+from .model import BASIS, LEVEL, TURN, Body, Instance, Model
+
+QUANTITIES = {
+    ("mesh", "force"): ("mesh_force", "mesh"),
+    ("mesh", "deflection"): ("mesh_deflection", "mesh"),
+    ("mesh", "pressure_angle"): ("pressure_angle", "mesh"),
+    ("mesh_friction", "friction"): ("mesh_friction", "mesh"),
+    ("pin", "force_x"): ("pin_force_x", "pin"),
+    ("pin", "force_y"): ("pin_force_y", "pin"),
+    ("pin_friction", "friction_torque"): ("pin_friction_torque", "pin"),
+    ("ground_bearing", "force_x"): ("bearing_force_x", "bearing"),
+    ("ground_bearing", "force_y"): ("bearing_force_y", "bearing"),
+    ("coupling", "torque"): ("coupling_torque", "coupling"),
+    ("torsional_support", "torque"): ("support_torque", "support"),
+}
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations of motion x' = f(x, s, p) and what is read off them, as CasADi graphs.
+
+    Attributes
+    ----------
+    x, s, p
+        States, mesh levels (0 single, 1 double contact) and parameters.
+    states, levels, parameters
+        What these are, in order; parameters as (name, unit).
+    xdot
+        Right-hand side.
+    reports, outputs
+        What the outputs are, and their expressions.
+    phases
+        Per level: phase tau [cycles], its rate [1/s], share of single contact.
+    energy
+        Kinetic and potential energy [J], power put in and power lost [W].
+    forces
+        Body -> force and torque in its frame; ``inertial`` -> the same from inertial coordinates.
+    """
+
+    x: ca.SX
+    s: ca.SX
+    p: ca.SX
+    states: tuple[State, ...]
+    levels: tuple[str, ...]
+    parameters: tuple[tuple[str, str], ...]
+    xdot: ca.SX
+    reports: tuple[Report, ...]
+    outputs: ca.SX
+    phases: tuple[ca.SX, ca.SX, ca.SX]
+    energy: ca.SX
+    forces: dict[str, ca.SX]
+    positions: dict[str, ca.SX]
+    angles: dict[str, ca.SX]
+
+
+def derive(model: Model, derivation: str = "newton", basis: str = "frame") -> Equations:
+    """Derive the equations of motion of a model.
+
+    Parameters
+    ----------
+    model
+        The model.
+    derivation
+        ``newton`` or ``lagrange``: where the elements' forces and the bodies' accelerations come from.
+    basis
+        ``frame`` evaluates elements in the turning frames (what is emitted); ``inertial`` in the paper's
+        coordinates, for the check that both are the same.
+
+    Returns
+    -------
+    Equations
+        In a fixed order of states, levels, parameters and outputs.
+    """
+    return _Assembly(model, derivation, basis).equations()
+
+
+class _Assembly:
+    """One derivation under way: symbols by name, ports of bodies, sums of wrenches."""
+
+    def __init__(self, model: Model, derivation: str, basis: str) -> None:
+        self.model, self.derivation, self.basis = model, derivation, basis
+        self.bodies = {body.name: body for body in model.bodies}
+        self.p = ca.SX.sym("p", len(model.parameters))
+        self.number = {q.name: self.p[i] for i, q in enumerate(model.parameters)}
+        self.s = ca.SX.sym("s", len(model.levels))
+        self.level = {level.name: self.s[i] for i, level in enumerate(model.levels)}
+        self.states = tuple(self._states())
+        self.x = ca.SX.sym("x", len(self.states))
+        self.value = {state.name: self.x[i] for i, state in enumerate(self.states)}
+        self.phi = self.value.get("reference.angle", ca.SX(0))
+        self.speed = self.value.get("reference.speed", self.number.get("reference.speed", ca.SX(0)))
+
+    def _states(self) -> Iterator[State]:
+        """List the states: reference angle, deviations, (reference speed), rates of the deviations."""
+        moving = [(body, axis) for body in self.model.bodies for axis in self._axes(body)]
+        lead = next((body for body in self.model.bodies if body.turning == "reference"), None)
+        if self.model.reference != "rest":
+            yield State("reference.angle", "rad", lead.name if lead else "", "theta", "")
+        for body, axis in moving:
+            yield State(
+                f"{body.name}.{axis}",
+                "rad" if axis == "u" else "m",
+                body.name,
+                axis,
+                self._inertia(body, axis),
+            )
+        if lead is not None:
+            yield State("reference.speed", "rad/s", lead.name, "theta", lead.inertia or "")
+        for body, axis in moving:
+            unit = "rad/s" if axis == "u" else "m/s"
+            yield State(f"{body.name}.{axis}.rate", unit, body.name, axis, self._inertia(body, axis))
+
+    @staticmethod
+    def _axes(body: Body) -> tuple[str, ...]:
+        """Return the axes along which a body moves on its own."""
+        return ("x", "y") * body.lateral + ("u",) * (body.turning == "free")
+
+    @staticmethod
+    def _inertia(body: Body, axis: str) -> str:
+        """Return the parameter that is the inertia along an axis."""
+        return (body.inertia if axis == "u" else body.mass) or ""
+
+    def frame_turn(self, body: Body) -> tuple[Any, Any]:
+        """Return angle and speed of a body's frame."""
+        ratio = self.model.frames[body.frame]
+        if ratio is None:
+            return ca.SX(0), ca.SX(0)
+        return self.number[ratio] * self.phi, self.number[ratio] * self.speed
+
+    def port(self, body: Body, rates: str) -> tuple[list[Any], list[Any]]:
+        """Return the position and the rates that an element sees of a body, in the basis chosen."""
+        x, y, u = (self.value.get(f"{body.name}.{axis}", ca.SX(0)) for axis in ("x", "y", "u"))
+        vx, vy, w = (self.value.get(f"{body.name}.{axis}.rate", ca.SX(0)) for axis in ("x", "y", "u"))
+        if body.place is not None:
+            x, y = x + self.number[body.place[0]], y + self.number[body.place[1]]
+        if rates == "frame" and self.basis == "frame":
+            return [x, y, u], [vx, vy, w]
+        beta, turn = self.frame_turn(body)
+        ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
+        vx, vy, w = vx - turn * y, vy + turn * x, w + ratio * self.speed
+        if self.basis == "frame":
+            return [x, y, u], [vx, vy, w]
+        return [*_rotate(beta, x, y), u + ratio * self.phi], [*_rotate(beta, vx, vy), w]
+
+    def call(self, instance: Instance) -> dict[str, Any]:
+        """Evaluate one element instance."""
+        element = make(instance.element)
+        ports = [self.port(self.bodies[name], element.rates) for name in instance.bodies]
+        coordinates = [v for position, _ in ports for v in position]
+        velocities = [v for _, rate in ports for v in rate]
+        bound = self._bound(instance)
+        names = [symbol.name for symbol in element.arguments]
+        values = coordinates + velocities + [bound[symbol.name] for symbol in element.parameters]
+        result: dict[str, Any] = element_function(instance.element, self.derivation)(
+            **dict(zip(names, values, strict=True))
+        )
+        return result
+
+    def _bound(self, instance: Instance) -> dict[str, Any]:
+        """Return the values of an element's parameters."""
+        beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
+        special = {LEVEL: self.level.get(instance.name), TURN: ca.SX(0), BASIS: beta}
+        if self.basis == "inertial":
+            special |= {TURN: beta, BASIS: ca.SX(0)}
+        bound = {key: special[name] if name in special else self.number[name] for key, name in instance.bind.items()}
+        if self.basis == "inertial" and "e_x" in bound:
+            bound["e_x"], bound["e_y"] = _rotate(beta, bound["e_x"], bound["e_y"])
+        return bound
+
+    def equations(self) -> Equations:
+        """Sum everything up."""
+        results = [(instance, self.call(instance)) for instance in self.model.instances]
+        forces = {name: ca.SX.zeros(3) for name in self.bodies}
+        for instance, result in results:
+            for i, name in enumerate(instance.bodies):
+                forces[name] = forces[name] + result["force"][3 * i : 3 * i + 3]
+        reports = list(self._reports(results, forces))
+        return Equations(
+            self.x, self.s, self.p, self.states, tuple(self.level),
+            tuple((q.name, q.unit) for q in self.model.parameters),
+            self._right_hand_side(forces), tuple(report for report, _ in reports),
+            ca.vertcat(*(value for _, value in reports)), self._phases(), self._energy(results, forces), forces,
+            {b.name: ca.vertcat(*_rotate(self.frame_turn(b)[0], *self._place(b))) for b in self.model.bodies},
+            {b.name: self._angle(b) for b in self.model.bodies},
+        )  # fmt: skip
+
+    def _place(self, body: Body) -> list[Any]:
+        """Return a body's position in its frame."""
+        x, y = (self.value.get(f"{body.name}.{axis}", ca.SX(0)) for axis in ("x", "y"))
+        return [x, y] if body.place is None else [x + self.number[body.place[0]], y + self.number[body.place[1]]]
+
+    def _angle(self, body: Body) -> Any:  # noqa: ANN401
+        """Return a body's absolute angle."""
+        ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
+        return ratio * self.phi + self.value.get(f"{body.name}.u", ca.SX(0))
+
+    def _reference_acceleration(self, forces: dict[str, ca.SX]) -> Any:  # noqa: ANN401
+        """Return phi'': zero for a held speed, else the reference member's own."""
+        for body in self.model.bodies:
+            if body.turning == "reference":
+                return forces[body.name][2] / self.number[body.inertia or ""]
+        return ca.SX(0)
+
+    def _right_hand_side(self, forces: dict[str, ca.SX]) -> ca.SX:
+        """Return x' in the order of the states."""
+        phi_dd = self._reference_acceleration(forces)
+        rate = {"reference.angle": self.speed, "reference.speed": phi_dd}
+        for body in self.model.bodies:
+            acceleration = self._acceleration(body, forces[body.name], phi_dd)
+            for axis in self._axes(body):
+                rate[f"{body.name}.{axis}"] = self.value[f"{body.name}.{axis}.rate"]
+                rate[f"{body.name}.{axis}.rate"] = acceleration[f"a{axis}"]
+        right: ca.SX = ca.vertcat(*(rate[state.name] for state in self.states))
+        return right
+
+    def _acceleration(self, body: Body, force: ca.SX, phi_dd: Any) -> dict[str, Any]:  # noqa: ANN401
+        """Return a body's accelerations in its frame."""
+        (x, y, _), (vx, vy, _) = self._frame_port(body)
+        ratio = self.model.frames[body.frame]
+        given = {
+            "x": x, "y": y, "vx": vx, "vy": vy, "fx": force[0], "fy": force[1], "torque": force[2],
+            "m": self.number.get(body.mass or "", ca.SX(1)), "inertia": self.number.get(body.inertia or "", ca.SX(1)),
+            "ratio": self.number[body.ratio] if body.ratio else ca.SX(0),
+            "frame_ratio": self.number[ratio] if ratio else ca.SX(0), "phi_d": self.speed, "phi_dd": phi_dd,
+        }  # fmt: skip
+        result: dict[str, Any] = body_function(self.derivation)(**given)
+        return result
+
+    def _frame_port(self, body: Body) -> tuple[list[Any], list[Any]]:
+        """Return position and rates of a body in its frame, whatever the basis."""
+        chosen, self.basis = self.basis, "frame"
+        port = self.port(body, "frame")
+        self.basis = chosen
+        return port
+
+    def _reports(
+        self, results: list[tuple[Instance, dict[str, Any]]], forces: dict[str, ca.SX]
+    ) -> Iterator[tuple[Report, Any]]:
+        """List the outputs: of elements, of mesh phases, of bodies."""
+        rolling: dict[str, Any] = {}
+        for instance, result in results:
+            outputs = make(instance.element).outputs
+            if "force_x" in outputs:
+                beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
+                result["out_force_x"], result["out_force_y"] = _rotate(
+                    beta, result["out_force_x"], result["out_force_y"]
+                )
+            for name, output in outputs.items():
+                if (instance.group, name) in QUANTITIES:
+                    quantity, dimension = QUANTITIES[instance.group, name]
+                    yield Report(quantity, instance.name, output.unit, dimension), result[f"out_{name}"]
+            rolling[instance.name] = result.get("out_rolling", rolling.get(instance.name))
+        for item in self.model.rollings:
+            phase = self._mesh_phase(item.gear, item.mesh, rolling[item.mesh])
+            yield (
+                Report("mesh_phase", item.mesh, "", "mesh"),
+                (self.number[item.teeth] / (2 * pi) * phase + self.number[item.start]),
+            )
+        for body in self.model.bodies:
+            yield from self._body_reports(body, forces[body.name])
+
+    def _mesh_phase(self, gear: str, mesh: str, rolling: Any) -> Any:  # noqa: ANN401
+        """Return the angle of gear 1 against the line of centres, its rigid part included."""
+        body = self.bodies[gear]
+        ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
+        frame = self.model.frames[body.frame]
+        return (ratio - (self.number[frame] if frame else 0)) * self.phi + rolling
+
+    def _body_reports(self, body: Body, force: ca.SX) -> Iterator[tuple[Report, Any]]:
+        """List what a body shows: acceleration and displacement, speed and twist, the torque that drives it."""
+        if body.lateral:
+            beta, _ = self.frame_turn(body)
+            mass = self.number[body.mass or ""]
+            for axis, value in zip("xy", _rotate(beta, force[0] / mass, force[1] / mass), strict=True):
+                yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member"), value
+            for axis in "xy":
+                yield (
+                    Report(f"displacement_{axis}", body.name, "m", "member"),
+                    self.value[f"{body.name}.{axis}"],
+                )
+        if body.turning != "held":
+            ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
+            deviation = self.value.get(f"{body.name}.u", ca.SX(0))
+            rate = self.value.get(f"{body.name}.u.rate", ca.SX(0))
+            yield Report("speed", body.name, "rad/s", "rotor"), ratio * self.speed + rate
+            yield Report("twist", body.name, "rad", "rotor"), deviation
+        if body.turning == "driven":
+            yield Report("drive_torque", body.name, "N*m", "drive"), -force[2]
+
+    def _phases(self) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """Return phase, phase rate and share of single contact of every level (eqs 9-11)."""
+        zero = ca.SX(0)
+        rates = [self.number[level.rate] if level.rate else zero for level in self.model.levels]
+        starts = [self.number[level.start] for level in self.model.levels]
+        tau = [rate * self.phi + start for rate, start in zip(rates, starts, strict=True)]
+        return (
+            ca.vertcat(*tau),
+            ca.vertcat(*(rate * self.speed for rate in rates)),
+            ca.vertcat(*(self.number[level.share] for level in self.model.levels)),
+        )
+
+    def _energy(self, results: list[tuple[Instance, dict[str, Any]]], forces: dict[str, ca.SX]) -> ca.SX:
+        """Return kinetic and potential energy, power put in by loads and drives, power lost."""
+        kinetic = potential = given = lost = ca.SX(0)
+        for body in self.model.bodies:
+            _, (vx, vy, w) = self.port(body, "absolute")
+            if body.lateral:
+                kinetic += self.number[body.mass or ""] * (vx**2 + vy**2) / 2
+            if body.turning != "held":
+                kinetic += self.number[body.inertia or ""] * w**2 / 2
+            if body.turning == "driven":
+                given -= forces[body.name][2] * w
+        for instance, result in results:
+            if instance.group == "external_torque":
+                _, (_, _, w) = self.port(self.bodies[instance.bodies[0]], "absolute")
+                given += result["force"][2] * w
+            else:
+                potential += result["potential"]
+                lost += result["loss"]
+        return ca.vertcat(kinetic, potential, given, lost)
+
+
+def _rotate(angle: Any, x: Any, y: Any) -> list[Any]:  # noqa: ANN401
+    """Turn a vector by an angle."""
+    cos, sin = ca.cos(angle), ca.sin(angle)
+    return [cos * x - sin * y, sin * x + cos * y]

@@ -1,0 +1,99 @@
+"""Gear geometry: base radii, centre distances, contact ratios of involute gears (transverse plane).
+
+Sources: DIN 3960 / ISO 21771 for radii, working pressure angle and contact ratio.
+"""
+
+from dataclasses import dataclass
+from math import acos, atan, cos, pi, sin, sqrt, tan
+
+from .schema import Gear, Pair, Planetary, Stage
+
+
+def involute(alpha: float) -> float:
+    """Return inv(alpha) = tan(alpha) - alpha [rad]."""
+    return tan(alpha) - alpha
+
+
+def inverse_involute(value: float) -> float:
+    """Solve inv(alpha) = value for 0 < alpha < pi/2 (Newton from a small-angle start)."""
+    alpha: float = min(max((3 * value) ** (1 / 3), 1e-3), 1.2)
+    for _ in range(50):
+        step = (involute(alpha) - value) / tan(alpha) ** 2
+        alpha = alpha - step
+        if abs(step) < 1e-15:
+            break
+    return alpha
+
+
+def transverse(stage: Stage) -> tuple[float, float]:
+    """Return transverse module [m] and transverse pressure angle [rad]."""
+    assert stage.module is not None  # validate() has refused a stage without tooth system
+    assert stage.pressure_angle is not None
+    beta = stage.helix_angle
+    return stage.module / cos(beta), atan(tan(stage.pressure_angle) / cos(beta))
+
+
+def base_radius(stage: Stage, gear: Gear) -> float:
+    """Return r_b [m]: given, or z m_t cos(alpha_t) / 2."""
+    if gear.base_radius is not None:
+        return gear.base_radius
+    module, alpha = transverse(stage)
+    assert gear.teeth is not None
+    return gear.teeth * module / 2 * cos(alpha)
+
+
+def standard_centre_distance(stage: Stage, one: Gear, two: Gear, sigma: int) -> float:
+    """Return the centre distance [m] without play that the profile shifts call for."""
+    module, alpha = transverse(stage)
+    assert one.teeth is not None
+    assert two.teeth is not None
+    teeth = one.teeth + sigma * two.teeth
+    shifts = one.profile_shift + sigma * two.profile_shift
+    # x is in normal modules: x_t m_t = x m_n, so the same formula holds with tan(alpha_n).
+    working = inverse_involute(involute(alpha) + 2 * shifts / teeth * tan(stage.pressure_angle or alpha))
+    return teeth * module / 2 * cos(alpha) / cos(working)
+
+
+def contact_ratio(stage: Stage, one: Gear, two: Gear, sigma: int, distance: float) -> float:
+    """Return the transverse contact ratio of full-depth teeth (addendum one normal module)."""
+    module, alpha = transverse(stage)
+    working = acos((base_radius(stage, one) + sigma * base_radius(stage, two)) / distance)
+    outer = _flank_length(stage, two, 1)
+    inner = _flank_length(stage, one, sigma)
+    path = outer + sigma * inner - sigma * distance * sin(working)
+    return path / (pi * module * cos(alpha))
+
+
+def _flank_length(stage: Stage, gear: Gear, sign: int) -> float:
+    """Return the length [m] from the base circle's tangent point to the tip circle."""
+    module, _ = transverse(stage)
+    assert gear.teeth is not None
+    assert stage.module is not None
+    tip = gear.teeth * module / 2 + sign * stage.module * (1 + sign * gear.profile_shift)
+    return sqrt(max(tip**2 - base_radius(stage, gear) ** 2, 0.0))
+
+
+@dataclass(frozen=True)
+class MeshGeometry:
+    """One mesh in numbers: base radii, centre distance [m], pressure angle [rad], sign of the pair."""
+
+    sigma: int
+    r1: float
+    r2: float
+    distance: float
+    alpha: float
+
+
+def stage_distance(stage: Planetary | Pair) -> float:
+    """Return the stage's centre distance [m]: given, or from teeth and profile shifts."""
+    if stage.center_distance is not None:
+        return stage.center_distance
+    if isinstance(stage, Pair):
+        return standard_centre_distance(stage, stage.input, stage.output, 1)
+    return standard_centre_distance(stage, stage.sun, stage.planet, 1)
+
+
+def mesh_geometry(stage: Planetary | Pair, one: Gear, two: Gear, sigma: int) -> MeshGeometry:
+    """Return the geometry of the mesh of two gears of a stage."""
+    r1, r2, distance = base_radius(stage, one), base_radius(stage, two), stage_distance(stage)
+    return MeshGeometry(sigma, r1, r2, distance, acos((r1 + sigma * r2) / distance))

@@ -1,0 +1,65 @@
+"""The symbolic half of the way through the house, stage by stage: Model -> Artifact."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from time import perf_counter
+
+from ltcgear.generated.contract import Artifact
+from ltcgear.generated.errors import CheckError
+from ltcgear.generated.store import digest
+
+from .model import Model
+
+
+@cache
+def _sources() -> str:
+    """Return the text of everything that decides what is derived from a model's structure."""
+    here = Path(__file__).parent
+    names = ["equations.py", "emit.py", "lower.py", "lagrange.py", "frames.py", "model.py"]
+    paths = [here / name for name in names] + sorted((here / "elements").glob("*.py"))
+    return "\n".join(path.read_text("utf-8") for path in paths)
+
+
+def content_key(model: Model) -> str:
+    """Return the key of a model's C: its structure, the equations' source text, the versions at work."""
+    from importlib.metadata import version
+
+    return digest([model.structure(), _sources(), version("casadi"), version("sympy")])
+
+
+def generate(model: Model, told: Callable[[str, float], None] = lambda stage, seconds: None) -> Artifact:
+    """Derive, check and emit a model.
+
+    Parameters
+    ----------
+    model
+        The model.
+    told
+        Called with stage name and seconds after each stage.
+
+    Raises
+    ------
+    CheckError
+        If Lagrange's and Newton's equations do not agree; nothing is emitted then.
+    """
+    from .checks.agree import agreement
+    from .emit import emit
+    from .equations import derive
+
+    clock = perf_counter()
+
+    def lap(stage: str) -> None:
+        nonlocal clock
+        clock, before = perf_counter(), clock
+        told(stage, clock - before)
+
+    equations = derive(model)
+    lap("derive")
+    failed = [check for check in agreement(model, equations) if not check.passed]
+    if failed:
+        raise CheckError("\n".join(f"{c.name}: {c.value:.3g} is above {c.tolerance:.3g}; {c.note}" for c in failed))
+    lap("check")
+    artifact = emit(model, equations, content_key(model))
+    lap("emit")
+    return artifact

@@ -1,0 +1,115 @@
+"""Quantities as text: "16 mm", "15 rpm", "5.02e9 N/m"; a number without its unit is refused.
+
+The registry is our own short one: angle is a dimension of its own, so that Hz is not rad/s and
+N m is not N m/rad; and nothing in it can be anything but a unit.
+"""
+
+import re
+from functools import cache
+from typing import TYPE_CHECKING, cast
+
+if TYPE_CHECKING:
+    import pint
+
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*", re.DOTALL)
+UNIT = re.compile(r"[A-Za-zµ°%]+(?:\s*(?:\^|\*\*)\s*-?\d)?(?:\s*[*/·]\s*[A-Za-zµ°%]+(?:\s*(?:\^|\*\*)\s*-?\d)?)*")
+DEFINITIONS = """
+micro- = 1e-6 = µ- = u-
+milli- = 1e-3 = m-
+centi- = 1e-2 = c-
+kilo- = 1e3 = k-
+mega- = 1e6 = M-
+giga- = 1e9 = G-
+metre = [length] = m = meter
+second = [time] = s
+gram = 1e-3 * kilogram = g
+kilogram = [mass] = kg
+radian = [angle] = rad
+minute = 60 * second = min
+hour = 3600 * second = h
+tonne = 1000 * kilogram = t
+inch = 0.0254 * metre = inch
+newton = kilogram * metre / second ** 2 = N
+pascal = newton / metre ** 2 = Pa
+joule = newton * metre = J
+watt = joule / second = W
+hertz = 1 / second = Hz
+revolution = 6.283185307179586 * radian = rev = turn
+rpm = revolution / minute = rpm
+degree = 0.017453292519943295 * radian = deg = °
+percent = 0.01 = %
+"""
+EXAMPLES = {
+    "m": "16 mm", "rad": "20 deg", "rad/s": "15 rpm", "kg": "840 kg", "kg*m^2": "120 kg*m^2", "s": "2 s",
+    "N/m": "5.02e9 N/m", "N*m/rad": "1.8e8 N*m/rad", "N*s/m": "2e5 N*s/m", "N*m*s/rad": "50 N*m*s/rad",
+    "N*m": "1.06e4 N*m", "N": "10 kN", "kg/m^3": "7850 kg/m^3", "m/s^2": "9.81 m/s^2", "m/s": "10 mm/s",
+    "1/s": "8192 Hz",
+}  # fmt: skip
+
+
+@cache
+def registry() -> "pint.UnitRegistry[float]":
+    """Return the unit registry, made on first use."""
+    import pint
+
+    units: pint.UnitRegistry[float] = pint.UnitRegistry(None)
+    for line in DEFINITIONS.strip().splitlines():
+        units.define(line)
+    return units
+
+
+def parse(text: object, unit: str) -> float:
+    """Convert a quantity given as text to a float in ``unit``.
+
+    Parameters
+    ----------
+    text
+        Number and unit, such as ``"16 mm"``.
+    unit
+        The SI unit wanted, such as ``"m"``.
+
+    Raises
+    ------
+    ValueError
+        If the text is not a finite number with a unit of the right dimension.
+    """
+    example = f'write it like "{EXAMPLES.get(unit, "1 " + unit)}"'
+    if not isinstance(text, str):
+        raise ValueError(f"{text!r} has no unit; {example}")
+    match = NUMBER.fullmatch(text)
+    if match is None or len(text) > 80:
+        raise ValueError(f"{text!r} is not a number with a unit; {example}")
+    number, name = match.groups()
+    if not name:
+        raise ValueError(f"{text!r} has no unit; {example}")
+    factor = _factor(name, unit, text, example)
+    value = float(number) * factor
+    if not abs(value) < 1e300:
+        raise ValueError(f"{text!r} is not a finite quantity; {example}")
+    return value
+
+
+@cache
+def _factor(name: str, unit: str, text: str, example: str) -> float:
+    """Return the factor from the unit ``name`` to ``unit``."""
+    import pint
+
+    if UNIT.fullmatch(name) is None:
+        raise ValueError(f"{name!r} in {text!r} is not a unit; {example}")
+    units = registry()
+    try:
+        given = units.parse_units(name.replace("·", "*").replace("^", "**"))
+    except pint.UndefinedUnitError as error:
+        raise ValueError(f"{name!r} in {text!r} is not a known unit; {example}") from error
+    wanted = units.parse_units(unit.replace("^", "**"))
+    if given.dimensionality != wanted.dimensionality:
+        raise ValueError(f"{text!r} has the wrong dimension, a quantity in {unit} is due; {example}")
+    return cast(float, units.Quantity(1.0, given).to(wanted).magnitude)
+
+
+def dimension(unit: str) -> dict[str, float]:
+    """Return the powers of length, mass and time in a unit; angle counts as a number."""
+    if not unit:
+        return {}
+    powers = registry().parse_units(unit.replace("^", "**")).dimensionality
+    return {key.strip("[]"): float(power) for key, power in powers.items() if key != "[angle]"}
