@@ -59,7 +59,7 @@ class Manifest:
     Attributes
     ----------
     key
-        Content key of the structure and of what derived it.
+        Content key of the C text.
     states, levels, parameters, reports
         Names in the order of x, s, p and y; parameters as (name, unit).
     reference

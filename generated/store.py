@@ -90,14 +90,19 @@ def files(artifact: Artifact) -> dict[str, str]:
     }
 
 
-def put(artifact: Artifact) -> None:
-    """Keep a generated model under its manifest's key."""
-    put_folder(root() / "models" / artifact.manifest.key, files(artifact))
+def model_folder(key: str) -> Path:
+    """Return where the generated model of a key is kept."""
+    return root() / "models" / key
+
+
+def put(key: str, artifact: Artifact) -> None:
+    """Keep a generated model under the key of what it was derived from."""
+    put_folder(model_folder(key), files(artifact))
 
 
 def get(key: str) -> Artifact | None:
     """Return the generated model of a key, None where there is none (or a damaged one, which is removed)."""
-    folder = root() / "models" / key
+    folder = model_folder(key)
     try:
         c, manifest, graphs = ((folder / n).read_text("utf-8") for n in ("model.c", "manifest.json", "graphs.casadi"))
         return Artifact(c, Manifest.from_json(manifest), graphs)

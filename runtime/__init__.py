@@ -1,1 +1,22 @@
 """Compiled models at work: equilibrium, integration, linearisation, results."""
+
+from importlib import import_module
+from typing import Any
+
+_HOME = {
+    "build": "library",
+    "find_equilibrium": "equilibrium",
+    "find_modes": "modes",
+    "integrate": "integrate",
+    "load": "results",
+    "save": "results",
+    "simulate": "simulate",
+}
+__all__ = list(_HOME)
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401
+    """Load a public name from its module."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_HOME[name]}", __name__), name)

@@ -48,6 +48,9 @@ ResultFile = Annotated[Path | None, typer.Option("-o", "--output", help="NetCDF4
 ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for result and figures.")]
 EndTime = Annotated[float | None, typer.Option("--t-end", help="Time to simulate [s].")]
 Method = Annotated[str, typer.Option("--method", help="erk, cvodes, idas or rosenbrock.")]
+Oversample = Annotated[
+    int, typer.Option("--oversample", min=1, max=64, help="Samples per sample kept; filters accelerations.")
+]
 Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it refers to vibrations.")]
 
 
@@ -58,6 +61,7 @@ class Opened:
     scene: "Scene"
     model: "Model"
     artifact: Artifact
+    key: str
     seconds: dict[str, float] = field(default_factory=dict)
 
 
@@ -83,11 +87,12 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False)
     scene = load_scene(name, _changes(changes))
     model = build_model(scene)
     seconds = {"load": perf_counter() - clock}
-    artifact = None if fresh else store.get(content_key(model))
+    key = content_key(model)
+    artifact = None if fresh else store.get(key)
     if artifact is None:
         artifact = generate(model, lambda stage, taken: seconds.update({stage: taken}))
-        store.put(artifact)
-    return Opened(scene, model, artifact, seconds)
+        store.put(key, artifact)
+    return Opened(scene, model, artifact, key, seconds)
 
 
 def compile_model(opened: Opened) -> "Library":
@@ -200,7 +205,7 @@ def generate(
     library = compile_model(opened)
     files = store.files(opened.artifact)
     del files["graphs.casadi"]
-    folder = output or store.root() / "models" / opened.artifact.manifest.key
+    folder = output or store.model_folder(opened.key)
     if output is not None:
         store.write_folder(output, files)
     ops = {name: signature.operations for name, signature in opened.artifact.manifest.functions.items()}
@@ -209,7 +214,7 @@ def generate(
         "library": str(library.path) if library.path else None,
         "ops": ops,
         "seconds": dict.fromkeys(("derive", "check", "emit"), 0.0) | opened.seconds,
-        "key": opened.artifact.manifest.key,
+        "key": opened.key,
     }
     _print(as_json, data, present.generated)
 
@@ -221,11 +226,12 @@ def simulate(
     t_end: EndTime = None,
     method: Method = "erk",
     rtol: Tolerance = 1e-6,
+    oversample: Oversample = 1,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene from its loaded equilibrium; with -o, write the result as NetCDF4."""
-    summary = run(scene, changes, output, t_end, method, rtol)
+    summary = run(scene, changes, output, t_end, method, rtol, oversample)
     _print(as_json, summary, present.simulated)
     if summary["status"] != "done":
         print(f"ltcgear: {summary['status']}", file=sys.stderr)
@@ -233,7 +239,13 @@ def simulate(
 
 
 def run(
-    scene: str, changes: list[str] | None, output: Path | None, t_end: float | None, method: str, rtol: float
+    scene: str,
+    changes: list[str] | None,
+    output: Path | None,
+    t_end: float | None,
+    method: str,
+    rtol: float,
+    oversample: int,
 ) -> dict[str, Any]:
     """Simulate a scene and write its result; return the summary."""
     from .results import check_target, save
@@ -253,9 +265,16 @@ def run(
     }
     with progress(f"simulate {opened.scene.name}", end) as told:
         result = simulate_model(
-            library, opened.model.values(), t_end=end, rate=opened.scene.simulation.rate, method=method, rtol=rtol,
-            attributes=attributes, told=told,
-        )  # fmt: skip
+            library,
+            opened.model.values(),
+            t_end=end,
+            rate=opened.scene.simulation.rate,
+            method=method,
+            rtol=rtol,
+            oversample=oversample,
+            attributes=attributes,
+            told=told,
+        )
     seconds = opened.seconds | result.summary["seconds"]
     if output is not None:
         clock = perf_counter()
@@ -301,7 +320,7 @@ def paper(
 
     make_folder(output)
     file = output / "rig-2mw.nc"
-    summary = run("rig-2mw", changes, file, t_end, method, 1e-6)
+    summary = run("rig-2mw", changes, file, t_end, method, 1e-6, oversample=8)
     dataset = load(file)
     tables = compare(dataset)
     figures = [*paper_figures(dataset, output), overview_figure(dataset, output / "overview.png")]

@@ -33,6 +33,7 @@ LIST_LIMIT = 700.0
 LIST_LENGTH = 8
 SEPARATION = 5.0  # [Hz]
 NAMING = 0.5  # [Hz]
+NOISE = 1e-6  # [m/s^2] or [N]: below, a line is rounding
 _SPEED = 30.0 / math.pi  # [r/min] per [rad/s]
 
 _NOTES_7 = (
@@ -44,15 +45,17 @@ _NOTES_7 = (
 )
 _NOTES_8 = (
     f"Ours: the up to {LIST_LENGTH} strongest lines below {LIST_LIMIT:.0f} Hz, strongest first, "
-    f"at least {SEPARATION:.0f} Hz apart; amplitudes are the root-sum-square of the two axes.",
+    f"at least {SEPARATION:.0f} Hz apart; amplitude of the acceleration [m/s^2], root-sum-square of the two axes.",
     "HSP ring gear: clamped in this model, so the acceleration of the HSP carrier stands for it.",
-    "Front chassis and LSP bearing: the acceleration of the LSP ring, which that bearing carries.",
+    "Front chassis and LSP bearing: the acceleration of an LSP planet; its bearing is carried by the front "
+    "chassis. The LSP ring itself stays at rest, since opposite planets mesh in phase.",
     "The printed table gives the output shaft no simulated position; psh.output stands beside it.",
-    "A name in brackets is the combination of mesh frequencies within one bin or 0.5 Hz; '?' is unexplained.",
+    "A name in brackets is the combination of mesh and carrier frequencies within one bin or 0.5 Hz; "
+    "'?': none of these, so a free vibration or a distant sideband.",
 )
 _NOTES_9 = (
-    "Mean, amplitude and load factor: each mesh's own, then the mean over the group; "
-    "beside it the worst mesh's factor. Load factor: largest force over mean force.",
+    "Mean, amplitude and load factor: each mesh's own, then the mean over the group. "
+    "Load factor: largest force over mean force. pr.: printed. *: the component that print is nearer to.",
     "The printed factors are those of the printed mean and amplitude, (3.34 + 0.39) / 3.34 = 1.117 "
     "for 1.118, within the rounding of the two.",
 )
@@ -60,7 +63,7 @@ _NO_ANGLE = (
     "The result carries no pressure angle: forces are normal to the flank, whereas four of the five "
     "printed means are near the tangential force at the pitch circle (LSP planet-ring: the normal one)."
 )
-_ANGLE = "Tangential: normal force times the cosine of the operating pressure angle; factors are the same."
+_ANGLE = "tangent: tangential, the normal force times the cosine of the operating pressure angle; factors are the same."
 
 
 @cache
@@ -107,17 +110,13 @@ def _table7(dataset: xr.Dataset, start: float) -> Table:
             (
                 row["position"],
                 row["teeth"],
-                *_beside(speed, float(row["speed"])),
-                *_beside(meshes.get(row["stage"]), float(row["frequency"])),
+                speed,
+                float(row["speed"]),
+                meshes.get(row["stage"]),
+                float(row["frequency"]),
             )
         )
-    words = ("simulated", "printed", "difference")
-    columns = (
-        "Position",
-        "Teeth",
-        *(f"Speed {word} [r/min]" for word in words),
-        *(f"Mesh frequency {word} [Hz]" for word in words),
-    )
+    columns = ("Position", "Teeth", "r/min", "printed r/min", "mesh Hz", "printed mesh Hz")
     return Table(_title("table7"), columns, tuple(rows), _NOTES_7)
 
 
@@ -130,33 +129,20 @@ def _mean_speed(speeds: dict[str, float], rotors: str, relative_to: str | None) 
     return abs(sum(own) / len(own) - frame) * _SPEED
 
 
-def _beside(simulated: float | None, printed: float) -> tuple[float | None, float, float | None]:
-    """Set a simulated value beside the printed one and their difference."""
-    return simulated, printed, None if simulated is None else simulated - printed
-
-
 def _table8(dataset: xr.Dataset, start: float) -> Table:
     """Strongest acceleration lines [Hz] by position."""
-    meshes = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
-    rows = [
-        (
-            row["measured_position"],
-            _listed(row["measured"]),
-            row.get("simulated_position", ""),
-            _listed(row.get("simulated", [])),
-            *_own_lines(dataset, member, start, meshes),
-        )
-        for row in published()["table8"]["rows"]
-        for member in row["members"]
-    ]
-    columns = (
-        "Measured position",
-        "Measured [Hz]",
-        "Simulated position (paper)",
-        "Simulated (paper) [Hz]",
-        "Our signal",
-        "Our lines [Hz] (name) amplitude",
-    )
+    rows = []
+    for row in published()["table8"]["rows"]:
+        for member in row["members"]:
+            lines = _own_lines(dataset, member, start)
+            places = (
+                row["measured_position"],
+                row.get("simulated_position", "").replace("& ", "&\n"),
+                f"ours: {member}",
+            )
+            position = "\n".join(place for place in places if place)
+            rows.append((position, _listed(row["measured"]), _listed(row.get("simulated", [])), lines))
+    columns = ("Position", "measured", "printed", "ours: Hz (name) amplitude")
     resolution = sampling_rate(dataset) / window(dataset, start).sizes["time"]
     notes = (*_NOTES_8, f"Resolution of our spectra: {resolution:.3g} Hz.")
     return Table(_title("table8"), columns, tuple(rows), notes)
@@ -164,18 +150,25 @@ def _table8(dataset: xr.Dataset, start: float) -> Table:
 
 def _listed(frequencies: list[float]) -> str:
     """Frequencies as the paper lists them."""
-    return ", ".join(str(value) for value in frequencies)
+    return "\n".join(str(value) for value in frequencies)
 
 
-def _own_lines(dataset: xr.Dataset, member: str, start: float, meshes: dict[str, float]) -> tuple[str, str | None]:
-    """Name of the signal that stands for a member, and its named lines one below the other."""
+def _own_lines(dataset: xr.Dataset, member: str, start: float) -> str:
+    """Named lines of the signal that stands for a member, one below the other."""
     found = position_spectrum(dataset, member, start)
     if found is None:
-        return f"{member} (not simulated)", None
-    signal, unit, frequency, amplitude = found
-    lines = named_lines(frequency, amplitude, meshes)
-    text = "\n".join(f"{line.frequency_hz:.1f} ({name or '?'}) {line.amplitude:.3g}" for line, name in lines)
-    return f"{signal} [{unit}]", text
+        return "not simulated"
+    _, _, frequency, amplitude = found
+    meshes = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
+    lines = named_lines(frequency, amplitude, meshes, carrier_rotations(dataset, start))
+    text = "\n".join(f"{line.frequency_hz:.1f} ({name or '?'}) {line.amplitude:.2g}" for line, name in lines)
+    return text or "none above rounding"
+
+
+def carrier_rotations(dataset: xr.Dataset, start: float) -> dict[str, float]:
+    """Rotation frequency of every carrier that turns [Hz], by member."""
+    speeds = shaft_speeds(dataset, start) if "speed" in dataset else {}
+    return {name: abs(value) / (2 * math.pi) for name, value in speeds.items() if name.endswith(".carrier")}
 
 
 def position_spectrum(
@@ -215,6 +208,7 @@ def named_lines(
     frequency: FloatArray,
     amplitude: FloatArray,
     meshes: dict[str, float],
+    rotations: dict[str, float] | None = None,
     count: int = LIST_LENGTH,
     limit_hz: float = LIST_LIMIT,
 ) -> list[tuple[Line, str]]:
@@ -226,6 +220,8 @@ def named_lines(
         Spectrum, shape (m,) each [Hz], [any unit].
     meshes
         Mesh frequency by gear set [Hz].
+    rotations
+        Rotation frequency of carriers [Hz].
     count
         How many lines at most.
     limit_hz
@@ -240,63 +236,59 @@ def named_lines(
     below = frequency <= limit_hz
     lines = strongest_lines(frequency[below], amplitude[below], count, max(SEPARATION, 2.0 * resolution))
     tolerance = max(resolution, NAMING)
-    return [(line, name_line(line.frequency_hz, meshes, tolerance)) for line in lines]
+    strong = [line for line in lines if line.amplitude > NOISE]
+    return [(line, name_line(line.frequency_hz, meshes, tolerance, rotations)) for line in strong]
 
 
 def _table9(dataset: xr.Dataset, start: float) -> Table:
     """Mesh forces [1e5 N] and load factors, one row for each component of each force."""
     groups = _grouped_statistics(dataset, start)
     angles = pressure_angles(dataset)
-    loads = {row["meshes"]: float(row["service_load"]) for row in published()["table4"]["rows"]}
     rows: list[tuple[Cell, ...]] = []
     for row in published()["table9"]["rows"]:
         group = row["meshes"]
-        rows += _force_rows(row, loads[group], groups.get(group), _group_cosine(angles, group))
+        rows += _force_rows(row, groups.get(group), _group_cosine(angles, group))
     columns = (
         "Position",
-        "Component",
-        "Mean simulated [1e5 N]",
-        "Mean printed [1e5 N]",
-        "Nearer to print",
-        "Amplitude simulated [1e5 N]",
-        "Amplitude printed [1e5 N]",
-        "Load factor simulated",
-        "Load factor worst mesh",
-        "Load factor printed",
-        "Service load Table 4 [1e5 N]",
+        "force",
+        "mean",
+        "mean pr.",
+        "ampl.",
+        "ampl. pr.",
+        "factor",
+        "factor pr.",
     )
-    return Table(_title("table9"), columns, tuple(rows), (*_NOTES_9, _ANGLE if angles else _NO_ANGLE))
+    loads = "; ".join(f"{row['meshes']} {row['service_load']}" for row in published()["table4"]["rows"])
+    notes = (*_NOTES_9, _ANGLE if angles else _NO_ANGLE, f"Service loads of Table 4 [1e5 N]: {loads}.")
+    return Table(_title("table9") + ", forces in 1e5 N", columns, tuple(rows), notes)
 
 
 def _force_rows(
-    printed: dict[str, Any], load: float, found: dict[str, float] | None, cosine: float | None
+    printed: dict[str, Any], found: dict[str, float] | None, cosine: float | None
 ) -> list[tuple[Cell, ...]]:
     """Rows of one mesh group: its normal force and, when the angle is known, the tangential one."""
     position, mean, amplitude, factor = (printed[key] for key in ("position", "mean", "amplitude", "load_factor"))
     if found is None:
-        return [(position, "not simulated", None, mean, None, None, amplitude, None, None, factor, load)]
-    scales = {"normal": 1.0} if cosine is None else {"normal": 1.0, "tangential": cosine}
+        return [(position, "not simulated", None, mean, None, amplitude, None, factor)]
+    scales = {"normal": 1.0} if cosine is None else {"normal": 1.0, "tangent": cosine}
     nearest = min(scales, key=lambda component: abs(scales[component] * found["mean"] - mean))
     return [
         (
             position,
-            component,
+            component + ("*" if component == nearest and len(scales) > 1 else ""),
             scale * found["mean"],
             mean,
-            None if cosine is None else ("yes" if component == nearest else "no"),
             scale * found["amplitude"],
             amplitude,
             found["load_factor"],
-            found["worst"],
             factor,
-            load,
         )
         for component, scale in scales.items()
     ]
 
 
 def _grouped_statistics(dataset: xr.Dataset, start: float) -> dict[str, dict[str, float]]:
-    """By mesh group: mean and amplitude [1e5 N], mean and worst load factor [1]."""
+    """By mesh group: mean and amplitude [1e5 N], load factor [1]."""
     if "mesh_force" not in dataset:
         return {}
     members: dict[str, list[dict[str, float]]] = {}
@@ -307,7 +299,6 @@ def _grouped_statistics(dataset: xr.Dataset, start: float) -> dict[str, dict[str
             "mean": sum(abs(one["mean"]) for one in each) / len(each) / PRINTED_FORCE,
             "amplitude": sum(one["amplitude"] for one in each) / len(each) / PRINTED_FORCE,
             "load_factor": sum(one["load_factor"] for one in each) / len(each),
-            "worst": max(one["load_factor"] for one in each),
         }
         for group, each in members.items()
     }

@@ -30,6 +30,8 @@ class Trajectory:
         Work done on the system by loads and drives less losses [J].
     jump_energy
         Energy that the stiffness jumps put in [J].
+    energy
+        Kinetic and potential energy at the start and at the end [J].
     counts
         Steps, right-hand sides, Jacobians, segments, events.
     expected_events
@@ -47,6 +49,7 @@ class Trajectory:
     levels: Vector
     work: float
     jump_energy: float
+    energy: tuple[float, float]
     counts: Counts
     expected_events: int
     status: str
@@ -189,9 +192,10 @@ def integrate(
             shown = perf_counter()
             told(now)
     expected = int(np.abs(cells_of(run.phases(run.z)) - run.first_cells).sum())
+    energy = run.energy(np.zeros_like(run.z), run.first_cells), run.energy(run.z, run.cells)
     return Trajectory(
-        time[:done], x[:done], levels[:done], run.work, run.jump_energy, run.stepper.counts, expected, status, now,
-        perf_counter() - clock,
+        time[:done], x[:done], levels[:done], run.work, run.jump_energy, energy, run.stepper.counts, expected, status,
+        now, perf_counter() - clock,
     )  # fmt: skip
 
 

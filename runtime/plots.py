@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .comparison import PRINTED_FORCE, named_lines, position_spectrum, published
+from .comparison import PRINTED_FORCE, carrier_rotations, named_lines, position_spectrum, published
 from .statistics import group_of, mesh_frequencies, pressure_angles, steady_start, window
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ _FORCES = (
     _ForceFigure(13, "psh.mesh", "PSH: mesh force between input and output", "psh", 30, "mesh"),
 )
 _SPECTRA = (
-    _SpectrumFigure(9, "lsp.ring", "Front chassis: acceleration at the LSP bearing", "Front chassis", "LSP: bearing"),
+    _SpectrumFigure(9, "lsp.planet.1", "Front chassis: acceleration of an LSP planet", "Front chassis", "LSP: bearing"),
     _SpectrumFigure(10, "psh.output", "Output shaft: acceleration of the PSH output", "Output shaft", "output bearing"),
 )
 
@@ -149,7 +149,8 @@ def _draw_forces(axes: Axes, dataset: xr.Dataset, plan: _ForceFigure) -> bool:
     axes.axhspan(float(forces.min()), float(forces.max()), color=GREY, alpha=0.12, lw=0, label="min-max, steady part")
     for number, (colour, force) in enumerate(zip(_LINE_COLOURS, forces.T, strict=False), start=1):
         label = f"{plan.legend_word} {number}" if len(names) > 1 else "simulated"
-        axes.plot(1e3 * time[shown], force[shown], color=colour, lw=1.2, label=label)
+        dash = "-" if number <= (len(names) + 1) // 2 else "--"  # opposite planets mesh in phase and coincide
+        axes.plot(1e3 * time[shown], force[shown], dash, color=colour, lw=1.2, label=label)
     axes.axhline(_printed_mean(plan.group), color="black", ls="--", lw=1.2, label="printed mean")
     axes.set_title(f"{plan.title} (cf. Fig. {plan.number})", loc="left", fontsize=11)
     axes.set_xlabel(f"time after {steady['time'].values[0]:.3f} s [ms]")
@@ -198,7 +199,8 @@ def _draw_spectrum(axes: Axes, dataset: xr.Dataset, plan: _SpectrumFigure) -> bo
     axes.semilogy(frequency[shown], amplitude[shown], color=BLUE, lw=0.9, label="simulated")
     _mark_printed(axes, plan)
     meshes = mesh_frequencies(dataset) if "mesh_phase" in dataset else {}
-    _number_lines(axes, named_lines(frequency, amplitude, meshes, _NAMED, _SPECTRUM_LIMIT))
+    turns = carrier_rotations(dataset, steady_start(dataset))
+    _number_lines(axes, named_lines(frequency, amplitude, meshes, turns, _NAMED, _SPECTRUM_LIMIT))
     axes.set_ylim(top * 10.0**-_DECADES, top * 4.0)
     axes.set_xlim(0.0, _SPECTRUM_LIMIT)
     axes.set_title(f"{plan.title} (cf. Fig. {plan.number})", loc="left", fontsize=11)

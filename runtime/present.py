@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.markup import escape
+from rich.padding import Padding
 from rich.table import Table
 
 if TYPE_CHECKING:
@@ -65,33 +66,31 @@ def info(data: Data) -> None:
 
 
 def checks(data: Data) -> None:
-    """Print check results."""
-    table = _table("Checks of the equations", "check", "", ">value", ">tolerance", "note")
+    """Print check results; the notes of all are in --json, those of failures here."""
+    table = _table("Checks of the equations", "check", "", ">value", ">tolerance")
+    table.columns[0].overflow = "fold"
     for item in data["checks"]:
         mark = "[green]ok[/]" if item["passed"] else "[bold red]FAILED[/]"
-        table.add_row(
-            escape(item["name"]),
-            mark,
-            f"{item['value']:.2g}",
-            f"{item['tolerance']:.2g}",
-            escape(item["note"]),
-        )
-    _console().print(table)
+        name = escape(item["name"]) + ("" if item["passed"] else f"\n{escape(item['note'])}")
+        table.add_row(name, mark, f"{item['value']:.2g}", f"{item['tolerance']:.2g}")
+    console = _console()
+    console.print(table)
+    failed = sum(not item["passed"] for item in data["checks"])
+    console.print(f"{len(data['checks']) - failed} passed, {failed} failed; --json tells how each was done")
 
 
 def paper_verdicts(data: Data) -> None:
-    """Print the verdicts on the printed equations."""
+    """Print the verdicts on the printed equations: what was printed, what is right, and why."""
     colours = {"agrees": "green", "first-order": "yellow", "misprint": "red"}
-    table = _table("Printed equations against the derivation", ">eq", "row", "verdict", "why")
+    console = _console()
     for item in data["equations"]:
         verdict = f"[{colours[item['verdict']]}]{item['verdict']}[/]"
-        table.add_row(str(item["equation"]), escape(item["row"]), verdict, escape(item["why"]))
-    console = _console()
-    console.print(table)
+        console.print(f"[bold]eq {item['equation']}, {escape(item['row'])}[/]: {verdict}")
+        if item["verdict"] != "agrees":
+            for label, key in (("printed", "printed"), ("right", "derived"), ("why", "why")):
+                console.print(Padding(f"{label}: {escape(item[key])}", (0, 0, 0, 4)))
     count = {name: sum(item["verdict"] == name for item in data["equations"]) for name in colours}
-    console.print(
-        ", ".join(f"{number} {name}" for name, number in count.items()) + "; --json gives both texts of each row"
-    )
+    console.print(", ".join(f"{number} {name}" for name, number in count.items()))
 
 
 def generated(data: Data) -> None:

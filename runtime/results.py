@@ -37,6 +37,8 @@ LONG_NAMES = {
     "support_torque": "torque in the torsional support",
     "acceleration_x": "acceleration of the centre, x",
     "acceleration_y": "acceleration of the centre, y",
+    "velocity_x": "velocity of the centre, x",
+    "velocity_y": "velocity of the centre, y",
     "displacement_x": "displacement of the centre in its stage's frame, x",
     "displacement_y": "displacement of the centre in its stage's frame, y",
     "speed": "rotational speed",
@@ -46,20 +48,45 @@ LONG_NAMES = {
 
 
 def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Trajectory) -> float:
-    """Return what is missing in the energy balance over the strain energy of the start (or all energy).
+    """Return what is missing in the energy balance, over the strain energy of the start.
 
     Energy at the end less energy at the start, less work of loads, drives and dampers, less what the
-    stiffness jumps put in; zero for an exact solution.
+    stiffness jumps put in; zero for an exact solution. Without strain energy it is taken over all work.
     """
-    energy = Kernel(library.functions["energy"])
-    first = energy(path.x[0], path.levels[0], p)[0][:2].copy()
-    last = energy(path.x[-1], path.levels[-1], p)[0][:2].copy()
-    missing = float(last.sum() - first.sum() - path.work - path.jump_energy)
-    size = max(float(first[1]), abs(path.work) + abs(path.jump_energy), 1e-12)
-    return missing / size
+    missing = path.energy[1] - path.energy[0] - path.work - path.jump_energy
+    strain = float(Kernel(library.functions["energy"])(at.x, at.levels, p)[0][1])
+    return missing / max(strain, abs(path.work) + abs(path.jump_energy), 1e-12)
 
 
-def make_dataset(library: Library, p: Vector, path: Trajectory, attributes: dict[str, Any]) -> "xr.Dataset":
+def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> tuple[Vector, Vector]:
+    """Read the outputs at every ``oversample``-th time, accelerations free of aliases.
+
+    Stiffness jumps make accelerations jump, so their spectrum has no end, and samples taken as they are
+    show tones above half the sampling rate as false lines below it. Here the mean acceleration between
+    samples (the difference of velocities, which are continuous) goes through SciPy's zero-phase FIR filter.
+
+    Returns
+    -------
+    rows, values
+        Which samples of the trajectory are kept, shape (m,), and the outputs there, shape (m, n_y).
+    """
+    values = over_time(library.functions["outputs"], [path.x, path.levels, p])
+    rows = np.arange(0, len(path.time), oversample)
+    if oversample == 1 or len(rows) < 64 or "velocity_x" not in _by_quantity(library):
+        return rows, values[rows]
+    from scipy.signal import decimate
+
+    kept = values[rows]
+    columns = _by_quantity(library)
+    for axis in "xy":
+        mean = np.gradient(values[:, columns[f"velocity_{axis}"]], path.time, axis=0)
+        kept[:, columns[f"acceleration_{axis}"]] = decimate(mean, oversample, ftype="fir", axis=0, zero_phase=True)
+    return rows, kept
+
+
+def make_dataset(
+    library: Library, p: Vector, path: Trajectory, attributes: dict[str, Any], oversample: int = 1
+) -> "xr.Dataset":
     """Read a trajectory into an xarray Dataset.
 
     Parameters
@@ -71,6 +98,8 @@ def make_dataset(library: Library, p: Vector, path: Trajectory, attributes: dict
     attributes
         What the file must tell: scene, versions, statistics; values that are not text or numbers are
         written as JSON.
+    oversample
+        How many samples of the trajectory make one of the result (see ``sampled``).
 
     Returns
     -------
@@ -79,8 +108,8 @@ def make_dataset(library: Library, p: Vector, path: Trajectory, attributes: dict
     """
     import xarray as xr
 
-    values = over_time(library.functions["outputs"], [path.x, path.levels, p])
-    time = ("time", path.time, {"units": "s", "long_name": "time"})
+    rows, values = sampled(library, p, path, oversample)
+    time = ("time", path.time[rows], {"units": "s", "long_name": "time"})
     data: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"time": time}
     for quantity, columns in _by_quantity(library).items():
@@ -95,14 +124,14 @@ def make_dataset(library: Library, p: Vector, path: Trajectory, attributes: dict
     if library.manifest.levels:
         coordinates["switched_mesh"] = list(library.manifest.levels)
         meta = {"units": "1", "long_name": LONG_NAMES["mesh_level"]}
-        data["mesh_level"] = (("time", "switched_mesh"), path.levels.astype(np.int8), meta)
+        data["mesh_level"] = (("time", "switched_mesh"), path.levels[rows].astype(np.int8), meta)
     coordinates["state_name"] = [state.name for state in library.manifest.states]
     state_meta = {
         "units": "SI",
         "long_name": "state vector",
         "state_units": json.dumps([s.unit for s in library.manifest.states]),
     }
-    data["state"] = (("time", "state_name"), path.x, state_meta)
+    data["state"] = (("time", "state_name"), path.x[rows], state_meta)
     plain = {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in attributes.items()}
     return xr.Dataset(
         data,

@@ -52,6 +52,7 @@ def simulate(
     rate: float,
     method: str = DEFAULT_METHOD,
     rtol: float = DEFAULT_RTOL,
+    oversample: int = 1,
     attributes: Mapping[str, Any] | None = None,
     told: Callable[[float], None] = lambda t: None,
 ) -> Result:
@@ -67,6 +68,8 @@ def simulate(
         Time to simulate [s] and samples a second [Hz].
     method, rtol
         Integrator (see ``stepper.METHODS``) and its relative tolerance, which refers to vibrations.
+    oversample
+        Samples taken for each one kept; above 1, accelerations are low-pass filtered before.
     attributes
         What the result file shall also tell, such as the scene.
     told
@@ -81,7 +84,7 @@ def simulate(
     clock = perf_counter()
     at = find_equilibrium(library, p)
     seconds = {"equilibrium": perf_counter() - clock}
-    path = integrate(library, p, at, t_end=t_end, rate=rate, method=method, rtol=rtol, told=told)
+    path = integrate(library, p, at, t_end=t_end, rate=rate * oversample, method=method, rtol=rtol, told=told)
     seconds["integrate"] = path.seconds
     clock = perf_counter()
     versions = {name: version(name) for name in ("ltcgear", "casadi", "numpy", "xarray")}
@@ -91,13 +94,14 @@ def simulate(
         "method": method,
         "engine": library.engine,
         "rtol": rtol,
+        "oversample": oversample,
         "simulated_s": path.end,
         "real_time_factor": path.end / path.seconds,
         "counts": asdict(path.counts) | {"expected_events": path.expected_events},
         "energy_residual": energy_residual(library, p, at, path),
     }
     about = {"ltcgear": versions["ltcgear"], "versions": versions, **(attributes or {}), **summary}
-    dataset = make_dataset(library, p, path, about)
+    dataset = make_dataset(library, p, path, about, oversample)
     seconds["outputs"] = perf_counter() - clock
     return Result(dataset, summary | {"seconds": seconds, "forces": _forces(dataset)})
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 
 #: Highest orders that still count as an explanation; beyond them coincidence rules.
-HARMONICS = 12
+HARMONICS = 25
 CARRIER_ORDERS = 6
 SIDE_ORDERS = 3
 
@@ -132,12 +132,18 @@ def strongest_lines(
     ]
 
 
-def name_line(frequency_hz: float, mesh_frequencies: Mapping[str, float], tolerance_hz: float) -> str:
-    """Name a line by the mesh frequencies that explain it.
+def name_line(
+    frequency_hz: float,
+    mesh_frequencies: Mapping[str, float],
+    tolerance_hz: float,
+    rotations: Mapping[str, float] | None = None,
+) -> str:
+    """Name a line by the mesh frequencies and rotations that explain it.
 
-    Harmonics come first (``"3 x hsp"``), lowest order preferred; then sidebands of
-    a mesh's harmonic at the distance of a slower mesh's (``"hsp + 1 x lsp"``,
-    ``"2 x psh - 1 x hsp"``), lowest sum of orders preferred.
+    Harmonics come first (``"3 hsp"``), lowest order preferred; then sidebands of
+    a mesh's harmonic at the distance of a rotation (``"hsp - 1 hsp.carrier"``) or of
+    a slower mesh's (``"hsp + 1 lsp"``, ``"2 psh - 1 hsp"``), lowest sum of orders
+    preferred.
 
     Parameters
     ----------
@@ -147,6 +153,9 @@ def name_line(frequency_hz: float, mesh_frequencies: Mapping[str, float], tolera
         Frequency of each stage's mesh [Hz], by name.
     tolerance_hz
         Largest distance that still counts as a match [Hz]; at least half a bin.
+    rotations
+        Frequency of turning members [Hz], by name: a planetary carrier's turns modulate
+        what a sensor in the housing sees.
 
     Returns
     -------
@@ -154,7 +163,8 @@ def name_line(frequency_hz: float, mesh_frequencies: Mapping[str, float], tolera
         The name, or "" for a line that no combination explains.
     """
     turning = {name: value for name, value in mesh_frequencies.items() if value > 0.0}
-    for candidates in (_harmonics(turning), _sidebands(turning)):
+    shafts = {name: value for name, value in (rotations or {}).items() if value > 0.0}
+    for candidates in (_harmonics(turning), _sidebands(turning, shafts), _sidebands(turning, turning)):
         matches = [
             (order, abs(value - frequency_hz), name)
             for order, value, name in candidates
@@ -169,17 +179,17 @@ def _harmonics(meshes: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
     """Yield order, frequency [Hz] and name of every harmonic considered."""
     for name, value in meshes.items():
         for order in range(1, HARMONICS + 1):
-            yield order, order * value, f"{order} x {name}"
+            yield order, order * value, f"{order} {name}"
 
 
-def _sidebands(meshes: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+def _sidebands(meshes: Mapping[str, float], sides: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
     """Yield sum of orders, frequency [Hz] and name of every sideband considered."""
     for carrier, centre in meshes.items():
-        for side, distance in meshes.items():
+        for side, distance in sides.items():
             if distance >= centre:
                 continue
             for order in range(1, CARRIER_ORDERS + 1):
-                middle = carrier if order == 1 else f"{order} x {carrier}"
+                middle = carrier if order == 1 else f"{order} {carrier}"
                 for step in range(1, SIDE_ORDERS + 1):
-                    yield order + step, order * centre + step * distance, f"{middle} + {step} x {side}"
-                    yield order + step, order * centre - step * distance, f"{middle} - {step} x {side}"
+                    yield order + step, order * centre + step * distance, f"{middle} + {step} {side}"
+                    yield order + step, order * centre - step * distance, f"{middle} - {step} {side}"

@@ -66,20 +66,28 @@ class Table:
         return tuple(row[place] for row in self.rows)
 
     def __rich__(self) -> RenderableType:
+        from rich.box import SIMPLE_HEAD
         from rich.console import Group
         from rich.table import Table as RichTable
         from rich.text import Text
 
         # Text throughout: rich would read "[Hz]" in a plain string as markup.
         broken = [any("\n" in str(row[place]) for row in self.rows) for place in range(len(self.columns))]
-        table = RichTable(title=Text(self.title), title_justify="left", show_lines=any(broken))
+        table = RichTable(
+            title=Text(self.title),
+            title_justify="left",
+            box=SIMPLE_HEAD,
+            show_edge=False,
+            show_lines=any(broken),
+            pad_edge=False,
+        )
         for place, heading in enumerate(self.columns):
             numeric = all(not isinstance(row[place], str) for row in self.rows)
             # The row's name and cells with lines of their own keep their width; the rest gives way.
             table.add_column(
                 Text(heading),
                 justify="right" if numeric else "left",
-                no_wrap=place == 0 or broken[place],
+                no_wrap=not numeric,
                 overflow="fold",
             )
         for row in self.rows:
@@ -109,4 +117,4 @@ def _shown(cell: Cell) -> str:
         return f"{cell:.4e}"
     if size >= 1e3:
         return f"{cell:.2f}"
-    return f"{cell:.5g}" if size >= 1.0 else f"{cell:.3g}"
+    return f"{cell:.5g}" if size >= 10.0 else f"{cell:.4g}" if size >= 1.0 else f"{cell:.3g}"

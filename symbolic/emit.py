@@ -5,6 +5,7 @@ from pathlib import Path
 
 import casadi as ca
 from ltcgear.generated.contract import Artifact, Manifest, Signature
+from ltcgear.generated.store import digest
 
 from .equations import Equations
 from .model import Model
@@ -39,15 +40,13 @@ def _joined(function: ca.Function) -> ca.Function:
     return ca.Function(function.name(), arguments, results, function.name_in(), function.name_out())
 
 
-def emit(model: Model, equations: Equations, key: str) -> Artifact:
+def emit(model: Model, equations: Equations) -> Artifact:
     """Emit C and manifest.
 
     Parameters
     ----------
     model, equations
         What to emit.
-    key
-        Content key for the manifest.
 
     Returns
     -------
@@ -55,13 +54,14 @@ def emit(model: Model, equations: Equations, key: str) -> Artifact:
         The same text for the same input, whatever the hash seed.
     """
     made = functions(equations)
+    c = _c_text(list(made.values()))
     manifest = Manifest(
-        key, model.reference, equations.states, equations.levels, equations.parameters, equations.reports,
+        digest([c]), model.reference, equations.states, equations.levels, equations.parameters, equations.reports,
         {name: _signature(function) for name, function in made.items()}, ca.CasadiMeta.version(),
     )  # fmt: skip
     serializer = ca.StringSerializer()
     serializer.pack(list(made.values()))
-    return Artifact(_c_text(list(made.values())), manifest, serializer.encode())
+    return Artifact(c, manifest, serializer.encode())
 
 
 def _c_text(made: list[ca.Function]) -> str:

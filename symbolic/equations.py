@@ -289,6 +289,8 @@ class _Assembly:
             mass = self.number[body.mass or ""]
             for axis, value in zip("xy", _rotate(beta, force[0] / mass, force[1] / mass), strict=True):
                 yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member"), value
+            for axis, value in zip("xy", self._velocity(body), strict=True):
+                yield Report(f"velocity_{axis}", body.name, "m/s", "member"), value
             for axis in "xy":
                 yield (
                     Report(f"displacement_{axis}", body.name, "m", "member"),
@@ -302,6 +304,13 @@ class _Assembly:
             yield Report("twist", body.name, "rad", "rotor"), deviation
         if body.turning == "driven":
             yield Report("drive_torque", body.name, "N*m", "drive"), -force[2]
+
+    def _velocity(self, body: Body) -> list[Any]:
+        """Return a body's velocity against the ground, in inertial axes."""
+        chosen, self.basis = self.basis, "inertial"
+        _, (vx, vy, _) = self.port(body, "absolute")
+        self.basis = chosen
+        return [vx, vy]
 
     def _phases(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Return phase, phase rate and share of single contact of every level (eqs 9-11)."""

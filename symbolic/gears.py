@@ -15,8 +15,18 @@ def involute(alpha: float) -> float:
 
 
 def inverse_involute(value: float) -> float:
-    """Solve inv(alpha) = value for 0 < alpha < pi/2 (Newton from a small-angle start)."""
-    alpha: float = min(max((3 * value) ** (1 / 3), 1e-3), 1.2)
+    """Solve inv(alpha) = value for 0 < alpha < pi/2.
+
+    Both starts lie above the root and inv is convex, so Newton's method comes down without overshoot.
+
+    Raises
+    ------
+    ValueError
+        If ``value`` is not positive.
+    """
+    if not value > 0:
+        raise ValueError(f"inv(alpha) = {value:.4g} has no working pressure angle")
+    alpha: float = min((3 * value) ** (1 / 3), atan(value + pi / 2))
     for _ in range(50):
         step = (involute(alpha) - value) / tan(alpha) ** 2
         alpha = alpha - step
@@ -42,16 +52,23 @@ def base_radius(stage: Stage, gear: Gear) -> float:
     return gear.teeth * module / 2 * cos(alpha)
 
 
-def standard_centre_distance(stage: Stage, one: Gear, two: Gear, sigma: int) -> float:
-    """Return the centre distance [m] without play that the profile shifts call for."""
-    module, alpha = transverse(stage)
+def working_involute(stage: Stage, one: Gear, two: Gear, sigma: int) -> float:
+    """Return inv of the working pressure angle without play that the profile shifts call for."""
     assert one.teeth is not None
     assert two.teeth is not None
-    teeth = one.teeth + sigma * two.teeth
+    _, alpha = transverse(stage)
     shifts = one.profile_shift + sigma * two.profile_shift
     # x is in normal modules: x_t m_t = x m_n, so the same formula holds with tan(alpha_n).
-    working = inverse_involute(involute(alpha) + 2 * shifts / teeth * tan(stage.pressure_angle or alpha))
-    return teeth * module / 2 * cos(alpha) / cos(working)
+    return involute(alpha) + 2 * shifts / (one.teeth + sigma * two.teeth) * tan(stage.pressure_angle or alpha)
+
+
+def standard_centre_distance(stage: Stage, one: Gear, two: Gear, sigma: int) -> float:
+    """Return the centre distance [m] without play that the profile shifts call for."""
+    assert one.teeth is not None
+    assert two.teeth is not None
+    module, alpha = transverse(stage)
+    working = inverse_involute(working_involute(stage, one, two, sigma))
+    return (one.teeth + sigma * two.teeth) * module / 2 * cos(alpha) / cos(working)
 
 
 def contact_ratio(stage: Stage, one: Gear, two: Gear, sigma: int, distance: float) -> float:
@@ -62,6 +79,14 @@ def contact_ratio(stage: Stage, one: Gear, two: Gear, sigma: int, distance: floa
     inner = _flank_length(stage, one, sigma)
     path = outer + sigma * inner - sigma * distance * sin(working)
     return path / (pi * module * cos(alpha))
+
+
+def interference(stage: Stage, one: Gear, two: Gear, sigma: int, distance: float) -> bool:
+    """Tell whether full-depth tips pass the end of the line of action, where no involute can touch."""
+    line = distance * sin(acos((base_radius(stage, one) + sigma * base_radius(stage, two)) / distance))
+    if sigma < 0:
+        return _flank_length(stage, one, -1) < line
+    return max(_flank_length(stage, one, 1), _flank_length(stage, two, 1)) > line
 
 
 def _flank_length(stage: Stage, gear: Gear, sign: int) -> float:

@@ -119,6 +119,7 @@ FUNCTIONS: Mapping[Any, Callable[..., Any]] = {
     sp.cos: np.cos,
     sp.tan: np.tan,
     sp.sign: np.sign,
+    sp.acos: np.arccos,
 }
 
 
@@ -265,6 +266,22 @@ LAWS = (
     row(29, "delta_CPx", {"deflection": x_P - x_C - R_P * cos(pin)}, definition=True),
     row(29, "delta_CPy", {"deflection": y_P - y_C - R_P * cos(pin)}, definition=True),
 )  # fmt: skip
+
+#: The involute's exact law in the paper's symbols, for the rows that are right to first order only.
+EXACT: Mapping[str, sp.Expr] = MappingProxyType({
+    "N_SP": k_PS * (
+        r_Sb * (th_S - turn_PS) + r_Pb * (th_P - turn_PS)
+        - (r_Sb + r_Pb) * (
+            sp.tan(a_PS) - a_PS - sp.tan(sp.acos((r_Sb + r_Pb) / d_PS0)) + sp.acos((r_Sb + r_Pb) / d_PS0)
+        )
+    ),
+    "N_RP": k_PR * (
+        r_Rb * (th_R - turn_PR) - r_Pb * (th_P - turn_PR)
+        + (r_Rb - r_Pb) * (
+            sp.tan(a_PR) - a_PR - sp.tan(sp.acos((r_Rb - r_Pb) / d_PR0)) + sp.acos((r_Rb - r_Pb) / d_PR0)
+        )
+    ),
+})  # fmt: skip
 
 ROWS: tuple[Row, ...] = (*LAWS, *SUN, *RING, *PLANET, *CARRIER)
 

@@ -22,7 +22,7 @@ def _sources() -> str:
 
 
 def content_key(model: Model) -> str:
-    """Return the key of a model's C: its structure, the equations' source text, the versions at work."""
+    """Return the key under which a model's C is kept: its structure, the equations' source text, the versions at work."""
     from importlib.metadata import version
 
     return digest([model.structure(), _sources(), version("casadi"), version("sympy")])
@@ -60,6 +60,6 @@ def generate(model: Model, told: Callable[[str, float], None] = lambda stage, se
     if failed:
         raise CheckError("\n".join(f"{c.name}: {c.value:.3g} is above {c.tolerance:.3g}; {c.note}" for c in failed))
     lap("check")
-    artifact = emit(model, equations, content_key(model))
+    artifact = emit(model, equations)
     lap("emit")
     return artifact

@@ -1,13 +1,17 @@
 """The scene's schema: strict pydantic models; every quantity is text with a unit."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from difflib import get_close_matches
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, model_validator
 from pydantic_core import core_schema
 
 from . import units
 from .effects import DEFAULTS, EFFECTS
+
+SAMPLES = 1e8  # the most a result may hold for each of its quantities
 
 
 @dataclass(frozen=True)
@@ -57,6 +61,19 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        """Refuse keys that do not go together; one line a defect."""
+        found = list(self.faults())
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    def faults(self) -> Iterator[str]:
+        """Tell what does not go together in this table; a fault of one key begins with ``.key: ``."""
+        if getattr(self, "damping", None) is not None and getattr(self, "damping_ratio", None) is not None:
+            yield "give either damping or damping_ratio, not both"
+
 
 class Disc(Table):
     """Solid or hollow disc from which mass and inertia are computed (default: steel)."""
@@ -66,11 +83,10 @@ class Disc(Table):
     inner_diameter: Bore = 0.0
     density: Density = 7850.0
 
-    @model_validator(mode="after")
-    def _hollow(self) -> "Disc":
+    def faults(self) -> Iterator[str]:
+        """Check the bore."""
         if not 0 <= self.inner_diameter < self.outer_diameter:
-            raise ValueError("inner_diameter must lie between zero and outer_diameter")
-        return self
+            yield ".inner_diameter: must lie between zero and outer_diameter"
 
 
 class Bearing(Table):
@@ -89,6 +105,12 @@ class PinBearing(Bearing):
     friction_damping: TorsionalDamping | None = None
     friction_speed: SmallSpeed = 0.1
     friction_load: Force = 1.0
+
+    def faults(self) -> Iterator[str]:
+        """Check that friction has its lever arm."""
+        yield from super().faults()
+        if self.friction and self.diameter is None:
+            yield ".diameter: is missing; the torque of friction acts on it"
 
 
 class TorsionalSupport(Table):
@@ -110,16 +132,19 @@ class Member(Table):
     inertia: Inertia | None = None
     disc: Disc | None = None
 
-    @model_validator(mode="after")
-    def _complete(self) -> "Member":
+    def faults(self) -> Iterator[str]:
+        """Check support and inertia."""
         if (self.support == "bearing") != (self.bearing is not None):
-            raise ValueError('support = "bearing" and a bearing table belong together')
+            yield 'support = "bearing" and a bearing table belong together'
+        if self.support == "fixed" and self.torsional_support is not None:
+            yield 'support = "fixed" holds it already; drop torsional_support, or free the member'
         if self.disc is not None and (self.mass is not None or self.inertia is not None):
-            raise ValueError("give either a disc, or mass and inertia")
-        needs = {"fixed": (), "rigid": ("inertia",)}.get(self.support, ("mass", "inertia"))
-        if self.disc is None and any(getattr(self, key) is None for key in needs):
-            raise ValueError(f"{' and '.join(needs)} (or a disc) are missing for support = {self.support!r}")
-        return self
+            yield "give either a disc, or mass and inertia"
+        needs: tuple[str, ...] = {"fixed": (), "rigid": ("inertia",)}.get(self.support, ("mass", "inertia"))
+        missing = [key for key in needs if getattr(self, key) is None]
+        if self.disc is None and missing:
+            verb = "is" if len(missing) == 1 else "are"
+            yield f'{" and ".join(missing)} {verb} missing for support = "{self.support}"; give it or a disc'
 
 
 class Gear(Member):
@@ -157,13 +182,13 @@ class Mesh(Table):
     flank: Literal["auto", "printed", "opposite"] = "auto"
     friction: Friction | None = None
 
-    @model_validator(mode="after")
-    def _stiffness(self) -> "Mesh":
+    def faults(self) -> Iterator[str]:
+        """Check that there is one stiffness and one damping."""
+        yield from super().faults()
         if (self.stiffness is None) == (self.torsional_stiffness is None):
-            raise ValueError("give either stiffness, or torsional_stiffness with its reference gear")
-        if (self.torsional_stiffness is None) != (self.reference is None):
-            raise ValueError("torsional_stiffness and reference belong together")
-        return self
+            yield "give either stiffness, or torsional_stiffness with its reference gear"
+        elif (self.torsional_stiffness is None) != (self.reference is None):
+            yield "torsional_stiffness and reference belong together"
 
 
 class Stage(Table):
@@ -190,13 +215,13 @@ class Planetary(Stage):
     ring_planet: Mesh
     pin: PinBearing
 
-    @model_validator(mode="after")
-    def _planets(self) -> "Planetary":
-        if self.planet.support != "floating" or self.planet.bearing:
-            raise ValueError("a planet is carried by its pin; leave its support out")
+    def faults(self) -> Iterator[str]:
+        """Check the planets."""
+        for key in ("support", "bearing", "torsional_support", "drag"):
+            if key in self.planet.model_fields_set and getattr(self.planet, key) not in (None, "floating"):
+                yield f".planet.{key}: a planet is carried by its pin alone; leave {key} out"
         if self.planet_angles is not None and len(self.planet_angles) != self.planets:
-            raise ValueError(f"planet_angles needs {self.planets} angles")
-        return self
+            yield f".planet_angles: {len(self.planet_angles)} angles for planets = {self.planets}; give one a planet"
 
 
 class Pair(Stage):
@@ -216,11 +241,10 @@ class Rotor(Table):
     drag: TorsionalDamping | None = None
     torsional_support: TorsionalSupport | None = None
 
-    @model_validator(mode="after")
-    def _complete(self) -> "Rotor":
+    def faults(self) -> Iterator[str]:
+        """Check the inertia."""
         if (self.inertia is None) == (self.disc is None):
-            raise ValueError("give either inertia or a disc")
-        return self
+            yield "give either inertia or a disc"
 
 
 class Coupling(Table):
@@ -240,13 +264,12 @@ class Load(Table):
     torque: Torque | None = None
     initial_speed: Speed | None = None
 
-    @model_validator(mode="after")
-    def _one(self) -> "Load":
+    def faults(self) -> Iterator[str]:
+        """Check that there is one load."""
         if (self.speed is None) == (self.torque is None):
-            raise ValueError("give either speed or torque")
+            yield "give either speed or torque"
         if self.speed is not None and self.initial_speed is not None:
-            raise ValueError("initial_speed goes with torque, speed is held from the start")
-        return self
+            yield ".initial_speed: goes with torque; speed is held from the start"
 
 
 class Simulation(Table):
@@ -255,25 +278,38 @@ class Simulation(Table):
     t_end: Duration = 0.5
     rate: Rate = 8192.0
 
+    def faults(self) -> Iterator[str]:
+        """Check that the result fits a computer."""
+        if self.t_end * self.rate > SAMPLES:
+            yield f".rate: t_end times rate are {self.t_end * self.rate:.2g} samples, more than {SAMPLES:.0e}; lower one"
+
 
 def _effects(chosen: object) -> dict[str, str]:
     """Check the effects against the table and fill in the defaults."""
     if not isinstance(chosen, dict):
-        raise ValueError("a table is due here")
+        raise ValueError(f"must be a table, not {chosen!r:.60}")
     allowed = {effect.name: effect.values for effect in EFFECTS}
-    faults = [f"{key!r} is not an effect; there are {', '.join(allowed)}" for key in chosen if key not in allowed]
-    for key, values in allowed.items():
-        if key in chosen and chosen[key] not in values:
-            faults.append(f"{key} = {chosen[key]!r}, allowed are {', '.join(values)}")
+    faults = []
+    for key, value in chosen.items():
+        if key not in allowed:
+            faults.append(f".{key}: unknown effect; {suggest(key, list(allowed), 'effects')}")
+        elif value not in allowed[key]:
+            faults.append(f".{key}: {value!r:.60} is not a value of it; {suggest(value, allowed[key], 'values')}")
     if faults:
-        raise ValueError("; ".join(faults))
+        raise ValueError("\n".join(faults))
     return DEFAULTS | chosen
+
+
+def suggest(name: object, known: Sequence[str], what: str) -> str:
+    """Return the cure for a name that is not known: the nearest one, or all there are."""
+    near = get_close_matches(str(name)[:80], known, 1)
+    return f'did you mean "{near[0]}"?' if near else f"{what}: {', '.join(known)}"
 
 
 class Scene(Table):
     """A gearbox, its loads and the effects it calls for; immutable and in SI units."""
 
-    title: str
+    title: Annotated[str, Field(min_length=1, max_length=200)]
     name: str = "scene"
     stages: dict[Name, Annotated[Planetary | Pair, Field(discriminator="kind")]] = {}
     rotors: dict[Name, Rotor] = {}

@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, cast
 if TYPE_CHECKING:
     import pint
 
-NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(.*?)\s*", re.DOTALL)
-UNIT = re.compile(r"[A-Za-zµ°%]+(?:\s*(?:\^|\*\*)\s*-?\d)?(?:\s*[*/·]\s*[A-Za-zµ°%]+(?:\s*(?:\^|\*\*)\s*-?\d)?)*")
+NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(.*?)\s*", re.DOTALL)
+_POWER = r"[A-Za-zµ°%]+(?:\s*(?:\^|\*\*)\s*-?[0-9])?"
+UNIT = re.compile(rf"{_POWER}(?:\s*[*/·]\s*{_POWER})*")
+# Beyond these no gearbox lies, and products of a few quantities stay finite.
+SMALLEST, LARGEST = 1e-30, 1e30
 DEFINITIONS = """
 micro- = 1e-6 = µ- = u-
 milli- = 1e-3 = m-
@@ -74,37 +77,41 @@ def parse(text: object, unit: str) -> float:
         If the text is not a finite number with a unit of the right dimension.
     """
     example = f'write it like "{EXAMPLES.get(unit, "1 " + unit)}"'
+    shown = f"{text!r:.60}"
     if not isinstance(text, str):
-        raise ValueError(f"{text!r} has no unit; {example}")
-    match = NUMBER.fullmatch(text)
-    if match is None or len(text) > 80:
-        raise ValueError(f"{text!r} is not a number with a unit; {example}")
+        raise ValueError(f"{shown} has no unit; {example}")
+    match = NUMBER.fullmatch(text) if len(text) <= 80 else None
+    if match is None:
+        raise ValueError(f"{shown} is not a number with a unit; {example}")
     number, name = match.groups()
     if not name:
-        raise ValueError(f"{text!r} has no unit; {example}")
-    factor = _factor(name, unit, text, example)
-    value = float(number) * factor
-    if not abs(value) < 1e300:
-        raise ValueError(f"{text!r} is not a finite quantity; {example}")
+        raise ValueError(f"{shown} has no unit; {example}")
+    try:
+        value = float(number) * _factor(name, unit)
+    except ValueError as error:
+        raise ValueError(f"{shown} {error}; {example}") from error
+    if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST:
+        raise ValueError(f"{shown} is out of all bounds ({SMALLEST:g} to {LARGEST:g} {unit}); {example}")
     return value
 
 
 @cache
-def _factor(name: str, unit: str, text: str, example: str) -> float:
+def _factor(name: str, unit: str) -> float:
     """Return the factor from the unit ``name`` to ``unit``."""
     import pint
 
-    if UNIT.fullmatch(name) is None:
-        raise ValueError(f"{name!r} in {text!r} is not a unit; {example}")
+    spelt = name.replace("μ", "µ")  # the Greek letter stands for the micro sign
+    if UNIT.fullmatch(spelt) is None:
+        raise ValueError(f"does not end in a unit, {name!r}")
     units = registry()
     try:
-        given = units.parse_units(name.replace("·", "*").replace("^", "**"))
+        given = units.parse_units(spelt.replace("·", "*").replace("^", "**"))
     except pint.UndefinedUnitError as error:
-        raise ValueError(f"{name!r} in {text!r} is not a known unit; {example}") from error
+        raise ValueError(f"does not end in a known unit, {name!r}") from error
     wanted = units.parse_units(unit.replace("^", "**"))
     if given.dimensionality != wanted.dimensionality:
-        raise ValueError(f"{text!r} has the wrong dimension, a quantity in {unit} is due; {example}")
-    return cast(float, units.Quantity(1.0, given).to(wanted).magnitude)
+        raise ValueError(f"has the wrong dimension, a quantity in {unit} is due")
+    return units.Quantity(1.0, given).to(wanted).magnitude
 
 
 def dimension(unit: str) -> dict[str, float]:
@@ -112,4 +119,4 @@ def dimension(unit: str) -> dict[str, float]:
     if not unit:
         return {}
     powers = registry().parse_units(unit.replace("^", "**")).dimensionality
-    return {key.strip("[]"): float(power) for key, power in powers.items() if key != "[angle]"}
+    return {key.strip("[]"): float(cast(float, power)) for key, power in powers.items() if key != "[angle]"}

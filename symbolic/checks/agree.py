@@ -118,7 +118,7 @@ def frame_accelerations(rows: Sequence[Any] | None = None) -> Check:
 
 def energies_and_forces(model: Model, equations: Equations) -> list[Check]:
     """Compare Lagrange's right-hand side with the one given; meshes with the paper's law to first order."""
-    name = "whole model: Lagrange's and Newton's accelerations"
+    name = "whole model: Lagrange's and Newton's forces and accelerations"
     note = f"{STATES} random states; largest difference over the row's largest value"
     if all(make(instance.element).gradient for instance in model.instances):
         return [judged(name, lagrange_difference(model, equations), TOLERANCE, note)]
@@ -132,10 +132,13 @@ def energies_and_forces(model: Model, equations: Equations) -> list[Check]:
 
 
 def lagrange_difference(model: Model, equations: Equations) -> float:
-    """Return the relative difference between Lagrange's right-hand side and the one given."""
-    other = derive(model, "lagrange")
+    """Return the relative difference of accelerations and of forces on all bodies, held and driven ones too."""
     points = random_points(model, equations, ANGLE)
-    return largest_difference(evaluate(equations, equations.xdot, points), evaluate(other, other.xdot, points))
+    both = [
+        evaluate(item, ca.vertcat(item.xdot, *item.forces.values()), points)
+        for item in (equations, derive(model, "lagrange"))
+    ]
+    return largest_difference(*both)
 
 
 def second_order(model: Model, equations: Equations) -> Check:

@@ -45,6 +45,7 @@ TITLES = {
     "ground_bearing": "housing bearing",
     "coupling": "shaft coupling",
     "torsional_support": "torsional support",
+    "drag": "rotor drag",
     "external_torque": "load torque",
     "gravity": "weight",
 }

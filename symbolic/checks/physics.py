@@ -16,16 +16,22 @@ from numpy.typing import NDArray
 from ..elements import Element, make
 from ..elements.base import COORDINATE_UNITS, RATE_UNITS
 from ..lower import lower
-from ..model import Instance, Model
+from ..model import TURN, Instance, Model
 from ..units import dimension
 from .base import Check, Writer, element_types, judged, title
 
 Array = NDArray[np.float64]
 
-STATES, SIZE, RATE = 20, 1e-4, 1e-1
+STATES, SIZE, RATE, OBLIQUE = 20, 1e-4, 1e-1, 0.7
 TOLERANCE, UNIT_TOLERANCE = 1e-10, 1e-9
 FACTORS = {"length": 1.7, "mass": 0.6, "time": 1.3}
 RESULTS = ("wrench", "potential", "dissipation")
+
+
+def _turned(x: Array, y: Array) -> tuple[Array, Array]:
+    """Turn a place or direction, so that no state has its planet on an axis."""
+    cos, sin = np.cos(OBLIQUE), np.sin(OBLIQUE)
+    return cos * x - sin * y, sin * x + cos * y
 
 
 class Bench:
@@ -50,16 +56,21 @@ class Bench:
         rng = np.random.default_rng(20210611)
         numbers, bodies = model.values(), {body.name: body for body in model.bodies}
         places = [bodies[name].place for name in instance.bodies]
-        rows = [
-            (numbers[place[axis]] if place and axis < 2 else 0.0) + SIZE * rng.uniform(-1.0, 1.0, STATES)
-            for place in places
-            for axis in range(3)
-        ]
-        rows += [RATE * rng.uniform(-1.0, 1.0, STATES) for _ in self.element.velocities]
+        nominal = [(numbers[p[0]], numbers[p[1]], 0.0) if p else (0.0, 0.0, 0.0) for p in places]
+        rows = {
+            symbol.name: value + SIZE * rng.uniform(-1.0, 1.0, STATES)
+            for port, place in zip(self.element.ports, nominal, strict=True)
+            for symbol, value in zip(port.coordinates, place, strict=True)
+        }
+        rows |= {symbol.name: RATE * rng.uniform(-1.0, 1.0, STATES) for symbol in self.element.velocities}
         for symbol in self.element.parameters:
-            known = numbers.get(instance.bind[symbol.name])
-            rows.append(rng.uniform(0.0, 1.0, STATES) if known is None else np.full(STATES, known))
-        return np.array(rows)
+            known = (numbers | {TURN: 0.0}).get(instance.bind[symbol.name])
+            rows[symbol.name] = rng.uniform(0.0, 1.0, STATES) if known is None else np.full(STATES, known)
+        pairs = [(port.x.name, port.y.name) for port in self.element.ports] + [("e_x", "e_y"), ("x_0", "y_0")]
+        for x, y in pairs:
+            if x in rows:
+                rows[x], rows[y] = _turned(rows[x], rows[y])
+        return np.array([rows[symbol.name] for symbol in self.element.arguments])
 
     @cached_property
     def function(self) -> ca.Function:
@@ -123,7 +134,8 @@ def action_and_reaction(bench: Bench) -> list[Check]:
     """Check that the two bodies of an element push each other equally, and about the same line."""
     wrench = bench.values()["wrench"]
     fx1, fy1, torque1, fx2, fy2, torque2 = wrench
-    x1, y1, _, x2, y2, _ = bench.arguments[:6]
+    pole = np.random.default_rng(1).uniform(-1.0, 1.0, (2, STATES)) * np.abs(bench.arguments[[0, 1, 3, 4]]).max()
+    (x1, y1), (x2, y2) = bench.arguments[:2] - pole, bench.arguments[3:5] - pole
     push = np.array([fx1 + fx2, fy1 + fy2])
     arms = np.array([torque1, torque2, x1 * fy1 - y1 * fx1, x2 * fy2 - y2 * fx2])
     force = np.max(np.abs(wrench[[0, 1, 3, 4]]), axis=0, keepdims=True)

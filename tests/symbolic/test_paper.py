@@ -60,7 +60,7 @@ def test_reasons_are_given_exactly_where_something_differs() -> None:
     for verdict in VERDICTS.values():
         assert bool(verdict.why) == (verdict.verdict != "agrees")
         assert "no simple repair" not in verdict.why
-        assert (verdict.printed == verdict.derived) == (verdict.verdict != "misprint")
+        assert (verdict.printed == verdict.derived) == (verdict.verdict == "agrees")
 
 
 @pytest.mark.parametrize("key", AGREE, ids=str)
@@ -182,3 +182,9 @@ def test_no_verdict_hangs_on_a_dot_or_a_square_lost_in_reading_the_page() -> Non
         for group in (g for g in row.terms if g.startswith("viscous")):
             row = row.with_term(group, p.exchange(kind[row.label[:-2]])(row.terms[group]))
         assert verdict_of(row) == "misprint"
+
+
+def test_first_order_rows_are_set_beside_the_exact_law() -> None:
+    verdicts = [v for v in VERDICTS.values() if v.verdict == "first-order"]
+    assert {v.row for v in verdicts} == {"N_SP", "N_RP"}
+    assert all("acos" in v.derived and v.derived != v.printed for v in verdicts)

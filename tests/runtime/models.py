@@ -1,0 +1,110 @@
+"""Scenes built once for all tests: what a scene's file says, changed by settings, down to its equilibrium."""
+
+import tomllib
+from dataclasses import dataclass
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
+from ltcgear.runtime.integrate import Trajectory, integrate
+from ltcgear.runtime.kernel import over_time
+from ltcgear.runtime.library import Library, build
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.model import Model
+from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.scene import SHIPPED, make_scene
+from ltcgear.symbolic.schema import Scene
+
+MESHES = {
+    "lsp": ("lsp.sun_planet", "lsp.ring_planet"),
+    "hsp": ("hsp.sun_planet", "hsp.ring_planet"),
+    "psh": ("psh.mesh",),
+}
+"""The meshes of the rig's stages."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, its model and its library."""
+
+    scene: Scene
+    model: Model
+    library: Library
+
+    @cached_property
+    def p(self) -> np.ndarray:
+        return self.library.parameters(self.model.values())
+
+    @cached_property
+    def at(self) -> Equilibrium:
+        return find_equilibrium(self.library, self.p)
+
+    def state(self, name: str) -> int:
+        """The index of a state."""
+        return [state.name for state in self.library.manifest.states].index(name)
+
+    def outputs(self, x: np.ndarray, levels: np.ndarray) -> dict[tuple[str, str], np.ndarray]:
+        """(quantity, item) -> values, of states and levels of shape (times, ...)."""
+        y = over_time(self.library.functions["outputs"], [np.atleast_2d(x), np.atleast_2d(levels), self.p])
+        return {(r.quantity, r.item): y[:, i] for i, r in enumerate(self.library.manifest.reports)}
+
+    def quantity(self, name: str, x: np.ndarray, levels: np.ndarray) -> dict[str, np.ndarray]:
+        """Item -> values of one quantity."""
+        return {item: values for (quantity, item), values in self.outputs(x, levels).items() if quantity == name}
+
+    def mesh_forces(self, path: Trajectory) -> np.ndarray:
+        """All mesh forces of a run, shape (times, meshes)."""
+        return np.array(list(self.quantity("mesh_force", path.x, path.levels).values())).T
+
+    def run(self, **options: Any) -> Trajectory:
+        """Integrate from the equilibrium, or from another start given as ``at``."""
+        options = {"at": self.at, "t_end": 0.1, "rate": 8192.0, "method": "cvodes", "rtol": 1e-7} | options
+        return integrate(self.library, self.p, **options)
+
+
+def raw_scene(name: str, *settings: str) -> dict[str, Any]:
+    """A shipped scene as TOML gives it; ``key = value`` puts, ``-key`` takes away."""
+    raw = tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
+    for setting in settings:
+        change(raw, setting)
+    return raw
+
+
+def change(raw: dict[str, Any], setting: str) -> None:
+    """Make one change to a raw scene."""
+    key, put, value = setting.lstrip("-").partition(" = ")
+    *path, last = key.split(".")
+    for part in path:
+        raw = raw.setdefault(part, {})
+    if put:
+        raw[last] = tomllib.loads(f"v = {value}")["v"]
+    else:
+        del raw[last]
+
+
+def make_case(raw: dict[str, Any]) -> Case:
+    """Build a raw scene."""
+    scene = make_scene(raw)
+    model = build_model(scene)
+    return Case(scene, model, build(generate(model)))
+
+
+@cache
+def case(name: str, *settings: str) -> Case:
+    """Build a shipped scene with settings (see ``raw_scene``), once a session."""
+    return make_case(raw_scene(name, *settings))
+
+
+@cache
+def run(name: str, *settings: str, **options: Any) -> Trajectory:
+    """Integrate a case from its equilibrium, once a session."""
+    return case(name, *settings).run(**options)
+
+
+TORQUE_DRIVEN = (
+    "-loads.motor.speed",
+    'loads.motor.torque = "1.5e6 N*m"',
+    'loads.motor.initial_speed = "15 rpm"',
+)
+"""The rig with the motor's torque given instead of its speed; it does not balance the load."""

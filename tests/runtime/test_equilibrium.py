@@ -1,0 +1,190 @@
+"""The loaded equilibrium against statics, and what has none."""
+
+import numpy as np
+import pytest
+from ltcgear.generated.errors import SolverError
+from ltcgear.runtime.equilibrium import find_equilibrium
+from ltcgear.runtime.kernel import Kernel
+
+from .hand_model import contact_ratio
+from .models import MESHES, TORQUE_DRIVEN, case, make_case
+
+STATICS = {"lsp": 3.575e5, "hsp": 1.0357e5, "psh": 1.1834e5}
+"""Normal forces [N], lossless, by torque over n r_b (READING.md)."""
+G = 9.80665
+
+
+def forces(c):
+    """Mesh -> force at the equilibrium [N]."""
+    return {item: float(v[0]) for item, v in c.quantity("mesh_force", c.at.x, c.at.levels).items()}
+
+
+def stage_mean(c, mesh):
+    return np.mean([value for item, value in forces(c).items() if item.startswith(mesh)])
+
+
+def total(c, quantity, axis):
+    return sum(float(v[0]) for v in c.quantity(f"{quantity}_{axis}", c.at.x, c.at.levels).values())
+
+
+def rotors(**tables):
+    return {"title": "rotors", **tables}
+
+
+@pytest.mark.parametrize("scene", ["rig-2mw", "lsp", "hsp", "psh"])
+def test_mean_normal_forces_are_those_of_statics(scene):
+    c = case(scene)
+    for stage in STATICS if scene == "rig-2mw" else [scene]:
+        for mesh in MESHES[stage]:
+            assert stage_mean(c, mesh) == pytest.approx(STATICS[stage], rel=5e-3)
+
+
+def test_nothing_accelerates_at_an_equilibrium():
+    c = case("rig-2mw")
+    rate = Kernel(c.library.functions["rhs"])(c.at.x, c.at.levels, c.p)[0]
+    assert np.abs(rate[c.library.index("")]).max() == 0.0
+    assert c.at.residual < 1e-7
+    assert c.at.iterations < 20
+
+
+def test_planets_of_a_fixed_carrier_share_alike_without_gravity():
+    c = case("lsp")
+    values = [value for item, value in forces(c).items() if "sun_planet" in item]
+    assert np.ptp(values) < 1e-8 * np.mean(values)
+
+
+def test_the_means_of_levels_are_the_shares_of_double_contact():
+    c = case("rig-2mw")
+    stages, double = c.scene.stages, dict(zip(c.library.manifest.levels, c.at.levels, strict=True))
+    # In mm: (sqrt(192^2 - 165.39^2) + sqrt(400^2 - 360.85^2) - 560 sin 20) / (16 pi cos 20) = 1.664
+    assert double["lsp.sun_planet.1"] == pytest.approx(0.664, abs=5e-4)
+    psh, lsp, hsp = stages["psh"], stages["lsp"], stages["hsp"]
+    wanted = {
+        "lsp.sun_planet.2": contact_ratio(lsp, 1, lsp.sun, lsp.planet, 0.56),
+        "lsp.ring_planet.3": contact_ratio(lsp, -1, lsp.ring, lsp.planet, 0.56),
+        "hsp.sun_planet.1": contact_ratio(hsp, 1, hsp.sun, hsp.planet, 0.408),
+        "psh.mesh": contact_ratio(psh, 1, psh.input, psh.output, 0.36 / np.cos(np.deg2rad(8))),
+    }
+    for name, ratio in wanted.items():
+        assert double[name] == pytest.approx(ratio - 1, rel=1e-9)
+
+
+def test_an_unloaded_stage_rests_where_it_stands():
+    c = case("lsp", 'loads.sun.torque = "0 N*m"')
+    assert np.abs(c.at.x[c.library.index("")]).max() < 1e-15
+    assert max(map(abs, forces(c).values())) < 1e-6
+
+
+def test_an_unloaded_turning_carrier_lets_its_planets_go_outwards():
+    c = case("hsp", *[f'loads.{key}.torque = "0 N*m"' for key in torque_loads("hsp")])
+    shown = {name: c.quantity(f"pin_force_{name}", c.at.x, c.at.levels) for name in "xy"}
+    pulls = [np.hypot(shown["x"][item][0], shown["y"][item][0]) for item in shown["x"]]
+    values = c.model.values()
+    w = values["hsp.carrier.speed_ratio"] * values["reference.speed"]
+    # Pin and meshes share the centrifugal force m w^2 d; the pin takes what its stiffness's part is.
+    assert 0.3 < pulls[0] / (values["hsp.planet.mass"] * w**2 * 0.408) <= 1.001
+    assert np.ptp(pulls) < 1e-6 * pulls[0]
+
+
+def torque_loads(name):
+    return [key for key, load in case(name).scene.loads.items() if load.torque is not None]
+
+
+def test_bearings_carry_the_weight():
+    c = case("lsp", 'effects.gravity = "on"')
+    bare = case("lsp")
+    values = c.model.values()
+    weight = G * (values["lsp.ring.mass"] + values["lsp.sun.mass"] + 4 * values["lsp.planet.mass"])
+    assert weight > 5e4
+    for axis, wanted in (("x", 0.0), ("y", weight)):
+        held = total(c, "bearing_force", axis) + total(c, "pin_force", axis)
+        assert held == pytest.approx(wanted, abs=1e-6 * weight)
+        assert total(bare, "bearing_force", axis) + total(bare, "pin_force", axis) == pytest.approx(0, abs=1e-2)
+
+
+def test_gravity_may_point_anywhere():
+    c = case("lsp", 'effects.gravity = "on"', 'gravity = ["3 m/s^2", "4 m/s^2"]')
+    values = c.model.values()
+    mass = values["lsp.ring.mass"] + values["lsp.sun.mass"] + 4 * values["lsp.planet.mass"]
+    held = [total(c, "bearing_force", axis) + total(c, "pin_force", axis) for axis in "xy"]
+    assert held == pytest.approx([-3 * mass, -4 * mass], rel=1e-6)
+
+
+def test_a_driven_rotor_pair_twists_by_the_inertia_it_accelerates():
+    raw = rotors(
+        rotors={"a": {"inertia": "2 kg*m^2"}, "b": {"inertia": "6 kg*m^2"}},
+        couplings={"shaft": {"between": ["a", "b"], "stiffness": "500 N*m/rad"}},
+        loads={"motor": {"member": "a", "torque": "8 N*m", "initial_speed": "10 rad/s"}},
+    )
+    c = make_case(raw)
+    rate = Kernel(c.library.functions["rhs"])(c.at.x, c.at.levels, c.p)[0]
+    assert rate[c.state("reference.speed")] == pytest.approx(1.0, rel=1e-10)
+    assert c.at.x[c.state("b.u")] == pytest.approx(-6.0 / 500.0, rel=1e-10)
+    assert c.at.x[c.state("reference.speed")] == 10.0
+
+
+def test_a_torque_driven_train_carries_what_accelerates_it():
+    c = case("rig-2mw", *TORQUE_DRIVEN)
+    values, x = c.model.values(), c.at.x
+    rate = Kernel(c.library.functions["rhs"])(x, c.at.levels, c.p)[0][c.state("reference.speed")]
+    # Lossless statics of the accelerated train by hand: the reduced inertia takes what the torques leave over.
+    torque, ratio = 1.5e6, values["generator.speed_ratio"]
+    bodies = [n.removesuffix(".speed_ratio") for n in values if n.endswith(".speed_ratio")]
+    count = {"lsp.planet": 4, "hsp.planet": 3}
+    reduced = sum(count.get(b, 1) * values[f"{b}.inertia"] * values[f"{b}.speed_ratio"] ** 2 for b in bodies)
+    turning = values["hsp.carrier.speed_ratio"]
+    reduced += 3 * values["hsp.planet.mass"] * 0.408**2 * turning**2
+    assert rate == pytest.approx((torque + ratio * -1.06e4) / reduced, rel=2e-3)
+    assert np.abs(c.at.x[c.library.index(".rate")]).max() == 0.0
+    after = (values["shaft.inertia"] + values["generator.inertia"] + values["psh.output.inertia"]) * ratio * rate
+    force = (1.06e4 + after) / values["psh.mesh.base_radius_2"]
+    assert stage_mean(c, "psh.mesh") == pytest.approx(force, rel=5e-3)
+
+
+@pytest.mark.parametrize("support", [{}, {"torsional_support": {"stiffness": "3e5 N*m/rad"}}])
+def test_an_unrestrained_rotor_is_named(support):
+    raw = rotors(
+        rotors={"wheel": {"inertia": "2 kg*m^2"}, "other": {"inertia": "2 kg*m^2", **support}},
+        loads={"motor": {"member": "wheel", "torque": "8 N*m"}},
+    )
+    c = make_case(raw)
+    with pytest.raises(SolverError, match=r"nothing holds wheel \(u\) against the loads"):
+        find_equilibrium(c.library, c.p)
+
+
+LOOSE = ('stages.lsp.ring.support = "floating"', "-stages.lsp.ring.bearing")
+
+
+def test_floating_members_without_a_load_sideways_are_no_obstacle():
+    c = case("lsp", *LOOSE)
+    assert stage_mean(c, "lsp") == pytest.approx(STATICS["lsp"], rel=5e-3)
+
+
+def test_floating_members_under_their_weight_are_named():
+    c = case("lsp", *LOOSE, 'effects.gravity = "on"')
+    with pytest.raises(SolverError, match=r"nothing holds .*lsp\.(ring|sun)"):
+        find_equilibrium(c.library, c.p)
+
+
+def test_base_circles_pulled_together_are_refused():
+    # On the flank that is not loaded the mesh pulls: 118 kN on 1 kN/mm would close the 22 mm between base circles.
+    soft = [f'stages.psh.{part}.bearing.stiffness = "1e6 N/m"' for part in ("input", "output")]
+    c = case("psh", *soft, 'stages.psh.mesh.flank = "printed"')
+    with pytest.raises(SolverError, match=r"no equilibrium: .*(center_distance|centre distance)"):
+        find_equilibrium(c.library, c.p)
+
+
+def test_soft_bearings_on_the_right_flank_do_find_theirs():
+    soft = [f'stages.psh.{part}.bearing.stiffness = "1e8 N/m"' for part in ("input", "output")]
+    c = case("psh", *soft)
+    assert stage_mean(c, "psh.mesh") == pytest.approx(STATICS["psh"], rel=5e-3)
+
+
+def test_chosen_levels_are_kept():
+    c = case("lsp")
+    levels = np.zeros(len(c.library.manifest.levels))
+    at = find_equilibrium(c.library, c.p, levels)
+    stiffer = find_equilibrium(c.library, c.p, levels + 1)
+    sun = c.state("lsp.sun.u")
+    assert (at.levels == 0).all()
+    assert abs(at.x[sun]) > abs(stiffer.x[sun])
