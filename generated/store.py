@@ -15,9 +15,7 @@ import platformdirs
 from .contract import Artifact, Manifest
 from .errors import CompileError, LtcgearError
 
-FLAGS = ("-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-Wall", "-Wextra", "-Werror")
-# Emitted C passes arguments that a function may not need, and reads const arrays through casts.
-QUIET = ("-Wno-unused-parameter", "-Wno-unused-function", "-Wno-unused-variable")
+FLAGS = ("-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-Wall", "-Werror")
 LIBRARIES = ("-lm",)
 
 
@@ -161,7 +159,7 @@ def library(c: str, with_compiler: Compiler) -> Path:
     CompileError
         If the compiler refuses it; the message names the log that was kept.
     """
-    command = [with_compiler.path, *FLAGS, *QUIET]
+    command = [with_compiler.path, *FLAGS]
     key = digest([c, with_compiler.path, with_compiler.version, *command, *LIBRARIES, processor()])
     folder = root() / "libraries"
     target = folder / f"{key}.so"

@@ -41,7 +41,7 @@ class Trajectory:
     end
         Time reached [s].
     seconds
-        Time taken by the integration [s].
+        Time taken to set the integrator up (it may have to be compiled) and to integrate [s].
     """
 
     time: Vector
@@ -54,7 +54,7 @@ class Trajectory:
     expected_events: int
     status: str
     end: float
-    seconds: float
+    seconds: dict[str, float]
 
 
 def vibration_scale(library: Library, at: Equilibrium, p: Vector) -> Vector:
@@ -174,6 +174,7 @@ def integrate(
         run = _Run(library, p, at, method, rtol)
     except RuntimeError as error:
         raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
+    prepared = perf_counter()
     x[0], levels[0] = at.x, levels_of(run.cells)
     done, now, status, shown = 1, 0.0, "done", 0.0
     while done < count:
@@ -195,7 +196,7 @@ def integrate(
     energy = run.energy(np.zeros_like(run.z), run.first_cells), run.energy(run.z, run.cells)
     return Trajectory(
         time[:done], x[:done], levels[:done], run.work, run.jump_energy, energy, run.stepper.counts, expected, status,
-        now, perf_counter() - clock,
+        now, {"prepare": prepared - clock, "integrate": perf_counter() - prepared},
     )  # fmt: skip
 
 

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 
+MARGIN = 32
+"""Samples by which a signal is mirrored beyond its ends before it is filtered."""
+
 LONG_NAMES = {
     "mesh_force": "normal mesh force",
     "mesh_deflection": "mesh deflection along the line of action",
@@ -58,12 +61,13 @@ def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Trajecto
     return missing / max(strain, abs(path.work) + abs(path.jump_energy), 1e-12)
 
 
-def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> tuple[Vector, Vector]:
+def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> tuple[NDArray[np.int64], Vector]:
     """Read the outputs at every ``oversample``-th time, accelerations free of aliases.
 
     Stiffness jumps make accelerations jump, so their spectrum has no end, and samples taken as they are
     show tones above half the sampling rate as false lines below it. Here the mean acceleration between
-    samples (the difference of velocities, which are continuous) goes through SciPy's zero-phase FIR filter.
+    samples (the difference of velocities, which are continuous) goes through SciPy's zero-phase FIR filter,
+    whose band ends gently: lines up to 0.4 of the sampling rate are free of aliases.
 
     Returns
     -------
@@ -71,8 +75,8 @@ def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> t
         Which samples of the trajectory are kept, shape (m,), and the outputs there, shape (m, n_y).
     """
     values = over_time(library.functions["outputs"], [path.x, path.levels, p])
-    rows = np.arange(0, len(path.time), oversample)
-    if oversample == 1 or len(rows) < 64 or "velocity_x" not in _by_quantity(library):
+    rows: NDArray[np.int64] = np.arange(0, len(path.time), oversample, dtype=np.int64)
+    if oversample == 1 or len(rows) < 2 * MARGIN or "velocity_x" not in _by_quantity(library):
         return rows, values[rows]
     from scipy.signal import decimate
 
@@ -80,7 +84,9 @@ def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> t
     columns = _by_quantity(library)
     for axis in "xy":
         mean = np.gradient(values[:, columns[f"velocity_{axis}"]], path.time, axis=0)
-        kept[:, columns[f"acceleration_{axis}"]] = decimate(mean, oversample, ftype="fir", axis=0, zero_phase=True)
+        longer = np.pad(mean, ((MARGIN * oversample,) * 2, (0, 0)), mode="reflect")
+        filtered = decimate(longer, oversample, ftype="fir", axis=0, zero_phase=True)
+        kept[:, columns[f"acceleration_{axis}"]] = filtered[MARGIN : MARGIN + len(rows)]
     return rows, kept
 
 

@@ -85,7 +85,7 @@ def simulate(
     at = find_equilibrium(library, p)
     seconds = {"equilibrium": perf_counter() - clock}
     path = integrate(library, p, at, t_end=t_end, rate=rate * oversample, method=method, rtol=rtol, told=told)
-    seconds["integrate"] = path.seconds
+    seconds |= path.seconds
     clock = perf_counter()
     versions = {name: version(name) for name in ("ltcgear", "casadi", "numpy", "xarray")}
     versions["python"] = sys.version.split()[0]
@@ -96,7 +96,7 @@ def simulate(
         "rtol": rtol,
         "oversample": oversample,
         "simulated_s": path.end,
-        "real_time_factor": path.end / path.seconds,
+        "real_time_factor": path.end / path.seconds["integrate"],
         "counts": asdict(path.counts) | {"expected_events": path.expected_events},
         "energy_residual": energy_residual(library, p, at, path),
     }

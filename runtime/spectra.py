@@ -164,7 +164,7 @@ def name_line(
     """
     turning = {name: value for name, value in mesh_frequencies.items() if value > 0.0}
     shafts = {name: value for name, value in (rotations or {}).items() if value > 0.0}
-    for candidates in (_harmonics(turning), _sidebands(turning, shafts), _sidebands(turning, turning)):
+    for candidates in (_harmonics(turning), [*_sidebands(turning, shafts), *_sidebands(turning, turning)]):
         matches = [
             (order, abs(value - frequency_hz), name)
             for order, value, name in candidates
@@ -186,7 +186,8 @@ def _sidebands(meshes: Mapping[str, float], sides: Mapping[str, float]) -> Itera
     """Yield sum of orders, frequency [Hz] and name of every sideband considered."""
     for carrier, centre in meshes.items():
         for side, distance in sides.items():
-            if distance >= centre:
+            foreign = "." in side and side.split(".")[0] != carrier  # a carrier turns its own stage's meshes
+            if distance >= centre or foreign:
                 continue
             for order in range(1, CARRIER_ORDERS + 1):
                 middle = carrier if order == 1 else f"{order} {carrier}"

@@ -80,7 +80,7 @@ def derive(model: Model, derivation: str = "newton", basis: str = "frame") -> Eq
         ``newton`` or ``lagrange``: where the elements' forces and the bodies' accelerations come from.
     basis
         ``frame`` evaluates elements in the turning frames (what is emitted); ``inertial`` in the paper's
-        coordinates, for the check that both are the same.
+        coordinates, for the check that both are the same: only its ``forces`` have a meaning then.
 
     Returns
     -------

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cache
+from math import log
 from typing import Any
 
 import casadi as ca
@@ -9,10 +10,12 @@ import sympy as sp
 
 from . import lagrange
 from .elements import make
+from .elements.base import LogCosh
 
 UNARY = {
     sp.sin: ca.sin, sp.cos: ca.cos, sp.tan: ca.tan, sp.atan: ca.atan, sp.tanh: ca.tanh, sp.cosh: ca.cosh,
-    sp.sinh: ca.sinh, sp.log: ca.log, sp.exp: ca.exp, sp.Abs: ca.fabs, sp.sign: ca.sign,
+    sp.sinh: ca.sinh, sp.log: ca.log, sp.exp: ca.exp, sp.Abs: ca.fabs,
+    LogCosh: lambda z: ca.fabs(z) + ca.log1p(ca.exp(-2 * ca.fabs(z))) - log(2), sp.sign: ca.sign,
 }  # fmt: skip
 
 

@@ -22,7 +22,7 @@ def _sources() -> str:
 
 
 def content_key(model: Model) -> str:
-    """Return the key under which a model's C is kept: its structure, the equations' source text, the versions at work."""
+    """Return the key under which a model's C is kept: structure, source text of the equations, versions at work."""
     from importlib.metadata import version
 
     return digest([model.structure(), _sources(), version("casadi"), version("sympy")])

@@ -1,6 +1,6 @@
 """First stage: a TOML file (or a Python builder) becomes a frozen Scene; all defects are told at once."""
 
-import copy
+import json
 import re
 import tomllib
 from collections.abc import Mapping
@@ -14,10 +14,28 @@ from pydantic import BaseModel, ValidationError
 
 from . import schema
 from .schema import Scene
-from .validate import validate
+from .validate import validate, validate_parts
 
 Raw = dict[str, Any]
 SOURCE = re.compile(r"(printed|derived|assumed|fitted): \S.*", re.DOTALL)
+NAMED = ("stages", "rotors", "couplings", "loads")  # tables whose keys are the user's names
+LARGEST_FILE = 1_000_000
+REASONS = {
+    "missing": "is missing",
+    "string_pattern_mismatch": "names are small letters, digits and _, beginning with a letter",
+    "string_type": "must be text in quotes, {given}",
+    "string_too_short": "must not be empty",
+    "string_too_long": "must have {max_length} characters at most",
+    "int_type": "must be a whole number without quotes, {given}",
+    "int_from_float": "must be a whole number, {given}",
+    "float_type": "must be a number without quotes and unit, {given}",
+    "list_type": "must be a list in brackets, {given}",
+    "dict_type": "must be a table, {given}",
+    "model_type": "must be a table, {given}",
+    "model_attributes_type": "must be a table, {given}",
+    "too_short": "must have {min_length} items, not {actual_length}",
+    "too_long": "must have {max_length} items, not {actual_length}",
+}
 SHIPPED = resources.files(__package__) / "scenes"
 
 
@@ -44,8 +62,8 @@ def load_scene(source: str | Path, changes: Mapping[str, str] | None = None) -> 
     label, text = _read(source)
     try:
         raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(f"{label}: not valid TOML: {error}") from error
+    except (ValueError, RecursionError) as error:
+        raise SceneError(f"{label}: not valid TOML: {_clean(str(error))}") from error
     for key, value in (changes or {}).items():
         _put(raw, key, value, label)
     return make_scene(raw, name=Path(str(source)).stem, label=label)
@@ -55,17 +73,45 @@ def make_scene(raw: Raw, name: str = "scene", label: str = "scene") -> Scene:
     """Check a raw scene (what TOML gives) and freeze it; ``label`` heads the messages."""
     sources: dict[str, str] = {}
     faults: list[str] = []
-    plain = _split_sources(copy.deepcopy(raw), (), sources, faults)
+    try:
+        plain = _split_sources(raw, (), sources, faults)
+    except RecursionError:
+        raise SceneError(f"{label}: tables or lists are nested too deeply") from None
     for key in ("name", "sources"):
         if key in plain:
             faults.append(f"{key}: is set by ltcgear; remove it")
             del plain[key]
+    return _freeze(plain, name, sources, label, faults)
+
+
+def restore_scene(text: str) -> Scene:
+    """Return the scene of ``Scene.model_dump_json()``, as result files keep it, with name and sources.
+
+    Raises
+    ------
+    SceneError
+        If the text is not such a scene.
+    """
+    label = "kept scene"
+    try:
+        kept = json.loads(text)
+        name, sources = kept.pop("name"), kept.pop("sources")
+    except (ValueError, RecursionError, AttributeError, KeyError, TypeError) as error:
+        raise SceneError(f"{label}: is not what ltcgear writes: {_clean(str(error))}") from error
+    return _freeze(kept, name, sources, label, [])
+
+
+def _freeze(plain: Raw, name: str, sources: dict[str, str], label: str, faults: list[str]) -> Scene:
+    """Make the Scene of plain values, or tell all that is wrong, ``faults`` included."""
     try:
         scene = Scene.model_validate({**plain, "name": name, "sources": sources})
     except ValidationError as error:
-        faults += [_explain(item) for item in error.errors()]
-        raise SceneError(_listing(label, faults)) from None
-    faults += validate(scene)
+        told = {fault.split(":")[0] for fault in faults}
+        found = [line for item in error.errors() for line in _explain(item)]
+        faults += [line for line in found if line.split(":")[0] + ".source" not in told]
+        faults += validate_parts(plain)
+    else:
+        faults += validate(scene)
     if faults:
         raise SceneError(_listing(label, faults))
     return scene
@@ -76,31 +122,41 @@ def _read(source: str | Path) -> tuple[str, str]:
     name = str(source)
     if name in shipped_scenes():
         return name, (SHIPPED / f"{name}.toml").read_text(encoding="utf-8")
-    path = Path(source)
+    path, label = Path(source), _clean(name) or '""'
     try:
-        return name, path.read_text(encoding="utf-8")
-    except (FileNotFoundError, IsADirectoryError, NotADirectoryError):
+        with path.open("rb") as file:
+            data = file.read(LARGEST_FILE + 1)
+        text = data.decode("utf-8-sig").replace("\r\n", "\n")
+    except (FileNotFoundError, NotADirectoryError, IsADirectoryError) as error:
+        what = "is a folder" if isinstance(error, IsADirectoryError) else "no such file and no shipped scene"
         near = get_close_matches(path.stem, shipped_scenes(), 1)
-        hint = f'; did you mean "{near[0]}"?' if near else ""
+        hint = f'did you mean "{near[0]}"? ' if near else ""
         listing = ", ".join(shipped_scenes())
-        raise SceneError(f"{name}: no such file and no shipped scene{hint} Shipped scenes: {listing}") from None
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise SceneError(f"{name}: cannot be read as UTF-8 text: {error}") from error
+        raise SceneError(f"{label}: {what}; {hint}shipped scenes: {listing}") from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise SceneError(f"{label}: cannot be read as UTF-8 text: {reason}") from error
+    if len(data) > LARGEST_FILE:
+        raise SceneError(f"{label}: has more than {LARGEST_FILE} bytes, this is no scene")
+    return label, text
 
 
 def _put(raw: Raw, key: str, value: str, label: str) -> None:
     """Set one dotted key; the value is read as TOML where it is TOML, else as text."""
     try:
-        parsed = tomllib.loads(f"v = {value}")["v"]
-    except tomllib.TOMLDecodeError:
+        read = tomllib.loads(f"v = {value}")
+        parsed = read["v"] if len(read) == 1 else value
+    except (ValueError, RecursionError):
         parsed = value
     *path, last = key.split(".")
     table: Any = raw
     for part in path:
         table = table.setdefault(part, {})
         if not isinstance(table, dict):
-            raise SceneError(f"{label}: {key}: {part!r} is a value, not a table")
+            raise SceneError(f"{label}: {_clean(key)}: {part!r:.60} is a value, not a table")
     table[last] = parsed
+    if last == "value" and "source" in table:  # the file's label does not speak for another value
+        table["source"] = "assumed: set in place of the file's value"
 
 
 def _split_sources(node: Any, path: tuple[str, ...], sources: dict[str, str], faults: list[str]) -> Any:  # noqa: ANN401
@@ -109,11 +165,16 @@ def _split_sources(node: Any, path: tuple[str, ...], sources: dict[str, str], fa
         return [_split_sources(item, (*path, str(i)), sources, faults) for i, item in enumerate(node)]
     if not isinstance(node, dict):
         return node
-    if set(node) == {"value", "source"}:
+    if {"value", "source"} & set(node) and path and not (len(path) == 1 and path[0] in NAMED):
         key = ".".join(path)
+        if set(node) != {"value", "source"}:
+            extra = ", ".join(sorted(set(node) - {"value", "source"}))
+            what = f"{extra} does not belong here" if extra else "one of the two is missing"
+            faults.append(f'{key}.source: {what}; write {{ value = ..., source = "printed: where" }}')
+            return node.get("value")
         if not isinstance(node["source"], str) or SOURCE.fullmatch(node["source"]) is None:
             faults.append(
-                f'{key}.source: {node["source"]!r} must begin with "printed: ", "derived: ", "assumed: " or "fitted: "'
+                f'{key}.source: {node["source"]!r:.60} must begin with "printed: ", "derived: ", "assumed: " or "fitted: "'
             )
         else:
             sources[key] = node["source"]
@@ -146,29 +207,45 @@ def _models(annotation: object) -> list[type[BaseModel]]:
     return [model for part in get_args(annotation) for model in _models(part)]
 
 
-def _explain(item: Any) -> str:  # noqa: ANN401
-    """Turn one pydantic error into: key, reason, cure."""
-    location = [part for part in item["loc"] if part not in ("planetary", "pair")]
+def _explain(item: Any) -> list[str]:  # noqa: ANN401
+    """Turn one pydantic error into lines of: key, reason, cure."""
+    location = list(item["loc"])
+    if len(location) > 2 and location[0] == "stages":
+        del location[2]  # the kind of the stage, which pydantic puts behind its name
+    location = [part for part in location if part != "[key]"]
     key = ".".join(str(part) for part in location)
+    if item["type"] == "value_error":
+        lines = str(item["ctx"]["error"]).split("\n")
+        return [f"{key}{line}" if line.startswith(".") else f"{key}: {line}" for line in lines]
     if item["type"] == "extra_forbidden":
         known = _fields_at(tuple(location[:-1]))
-        near = get_close_matches(str(location[-1]), known, 1)
-        cure = f'did you mean "{near[0]}"?' if near else f"known keys: {', '.join(known)}"
-        return f"{key}: unknown key; {cure}"
-    if item["type"] == "missing":
-        return f"{key}: is missing"
-    if item["type"] == "union_tag_not_found":
-        return f'{key}.kind: is missing; write kind = "planetary" or kind = "pair"'
-    if item["type"] == "union_tag_invalid":
-        return f'{key}.kind: must be "planetary" or "pair"'
-    if item["type"] == "string_pattern_mismatch":
-        return f"{key}: names are small letters, digits and _, beginning with a letter"
-    if item["type"] == "value_error":
-        return f"{key}: {item['ctx']['error']}"
-    return f"{key}: {item['msg'][0].lower()}{item['msg'][1:]}, not {item['input']!r:.60}"
+        return [f"{key}: unknown key; {schema.suggest(location[-1], known, 'known keys')}"]
+    if item["type"] in ("union_tag_not_found", "union_tag_invalid"):
+        kind = item["input"].get("kind") if isinstance(item["input"], dict) else None
+        what = f"{kind!r:.60} is no kind of stage" if kind is not None else "is missing"
+        return [f'{key}.kind: {what}; write kind = "planetary" or kind = "pair"']
+    return [f"{key}: {_reason(item)}"]
+
+
+def _reason(item: Any) -> str:  # noqa: ANN401
+    """Say in the scene's own words what pydantic finds wrong with a value."""
+    given, context = f"not {item['input']!r:.60}", item.get("ctx", {})
+    if item["type"] in REASONS:
+        return REASONS[item["type"]].format(given=given, **context)
+    if item["type"] == "literal_error":
+        allowed = re.findall(r"'([^']*)'", context["expected"])
+        return f"must be {context['expected']}, {given}; {schema.suggest(item['input'], allowed, 'values')}"
+    return f"{item['msg'].replace('Input should be', 'must be')}, {given}"
+
+
+def _clean(text: str) -> str:
+    """Return a text for the terminal: on one line, of bounded length, control characters written out."""
+    shown = "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+    return shown if len(shown) <= 600 else f"{shown[:300]} ... {shown[-200:]}"
 
 
 def _listing(label: str, faults: list[str]) -> str:
     """Put all faults into one message."""
+    faults = list(dict.fromkeys(faults))
     head = f"{label}: {len(faults)} defect" + "s" * (len(faults) > 1)
-    return "\n".join([head, *(f"  {fault}" for fault in faults)])
+    return "\n".join([head, *(f"  {_clean(fault)}" for fault in faults)])

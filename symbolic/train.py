@@ -50,10 +50,15 @@ def inertia_of(member: Member | Rotor) -> tuple[float, float]:
     return float(mass), float(mass * (outer**2 + inner**2) / 2)
 
 
+def planet_angles(stage: Planetary) -> list[float]:
+    """Return where the planets stand [rad]: given, or equally spaced."""
+    return stage.planet_angles or [2 * np.pi * i / stage.planets for i in range(stage.planets)]
+
+
 def _wheel(stage: Planetary | Pair, part: str) -> float:
-    """Return what stands for a gear in a speed ratio: teeth where all have them, else base radius."""
-    gear_names = ("ring", "sun", "planet") if isinstance(stage, Planetary) else ("input", "output")
-    if all(getattr(stage, name).teeth is not None for name in gear_names):
+    """Return what stands for a gear in a speed ratio: teeth where they set all radii, else base radius."""
+    names = ("ring", "sun", "planet") if isinstance(stage, Planetary) else ("input", "output")
+    if all(getattr(stage, name).teeth is not None and getattr(stage, name).base_radius is None for name in names):
         return float(getattr(stage, part).teeth)
     return gears.base_radius(stage, getattr(stage, part))
 
@@ -85,21 +90,19 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     """Solve the rigid motion; the second value lists what makes it impossible or ambiguous."""
     everyone = members(scene)
     column = {name: i for i, name in enumerate(everyone)}
-    given = {
-        load.member: load.speed if load.speed is not None else load.initial_speed
-        for load in scene.loads.values()
-        if load.speed is not None or load.initial_speed is not None
-    }
+    held = {load.member: load.speed for load in scene.loads.values() if load.speed is not None}
+    begun = {load.member: load.initial_speed for load in scene.loads.values() if load.initial_speed is not None}
+    given = begun | held
     if not given:
         return Motion("rest", "", 0.0, dict.fromkeys(everyone, 0.0)), []
-    held = [load.member for load in scene.loads.values() if load.speed is not None]
-    lead = held[0] if held else next(iter(given))
-    speed = given[lead] or 0.0
+    # A member that is braked to zero cannot be the reference of those that turn.
+    lead = next((name for name in (*held, *begun) if given[name]), next(iter(held or begun)))
+    speed = given[lead]
     rows = [row / np.abs(row).max() for _, row in _rolling_rows(scene, column)]
     right = [0.0] * len(rows)
     still = {name for name, member in everyone.items() if is_fixed(member) or member.torsional_support}
     fixed_speeds = dict.fromkeys(still, 0.0) | {
-        name: (value or 0.0) / speed if speed else float(name == lead) for name, value in given.items()
+        name: value / speed if speed else float(name == lead) for name, value in given.items()
     }
     for name, value in fixed_speeds.items():
         row = np.zeros(len(column))
@@ -112,7 +115,7 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     solution[np.abs(solution) < 1e-12 * np.abs(solution).max()] = 0.0
     faults = _motion_faults(matrix, vector, solution, int(rank), list(everyone))
     ratios = {name: float(solution[i]) + 0.0 for name, i in column.items()}
-    return Motion("speed" if held else "torque", lead, speed, ratios), faults
+    return Motion("speed" if lead in held else "torque", lead, speed, ratios), faults
 
 
 def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, names: list[str]) -> list[str]:
@@ -127,7 +130,24 @@ def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, 
 
 
 def static_forces(scene: Scene, rigid: Motion) -> dict[str, float]:
-    """Return the signed normal force [N] per mesh of every stage, lossless, on the printed flank.
+    """Return the signed normal force [N] per mesh of every stage, lossless, on the printed flank."""
+    forces, _ = _statics(scene, rigid)
+    return {name: float(forces[i]) for i, name in enumerate(scene.stages)}
+
+
+def balance_faults(scene: Scene, rigid: Motion) -> list[str]:
+    """Say on which members torques are left that no mesh, coupling or held member takes."""
+    _, left = _statics(scene, rigid)
+    size = max((abs(load.torque or 0.0) for load in scene.loads.values()), default=0.0)
+    loose = [name for name, torque in left.items() if abs(torque) > 1e-6 * size]
+    if not loose:
+        return []
+    cure = "give initial_speed to a torque, hold a speed, or fix a member" if rigid.mode == "rest" else "hold a speed"
+    return [f"loads: nothing takes the torques that act on {', '.join(loose)}; {cure}"]
+
+
+def _statics(scene: Scene, rigid: Motion) -> tuple[Vector, dict[str, float]]:
+    """Return the unknowns of the static balance, mesh forces [N] first, and the torques [N m] left over.
 
     Unknowns are the mesh forces, the coupling torques, the reactions of held members and, where
     nothing holds the speed, the acceleration of the reference; they solve in the least-squares sense.
@@ -149,8 +169,11 @@ def static_forces(scene: Scene, rigid: Motion) -> dict[str, float]:
     load = np.zeros(len(names))
     for item in scene.loads.values():
         load[column[item.member]] += item.torque or 0.0
-    forces = np.linalg.lstsq(np.array(columns).T, -load, rcond=None)[0] if columns else np.zeros(0)
-    return {name: float(forces[i]) for i, name in enumerate(scene.stages)}
+    if not columns:
+        return np.zeros(0), dict(zip(names, load.tolist(), strict=True))
+    matrix = np.array(columns).T
+    forces = np.linalg.lstsq(matrix, -load, rcond=None)[0]
+    return forces, dict(zip(names, (matrix @ forces + load).tolist(), strict=True))
 
 
 def _stage_column(name: str, stage: Planetary | Pair, column: dict[str, int]) -> Vector:
@@ -165,3 +188,51 @@ def _stage_column(name: str, stage: Planetary | Pair, column: dict[str, int]) ->
         torques[column[f"{name}.input"]] = -gears.base_radius(stage, stage.input)
         torques[column[f"{name}.output"]] = -gears.base_radius(stage, stage.output)
     return torques
+
+
+def loose_sideways(stage: Planetary | Pair) -> list[str]:
+    """Return the floating members that the meshes and pins of a stage leave free to move sideways.
+
+    One row a spring (mesh or pin), one column a freedom: floating members and planets in the plane, and
+    the turning that the meshes tie (two central members held: a stage has two freedoms to turn).
+    """
+    floating = [part for part in _central(stage) if getattr(stage, part).support == "floating"]
+    rows = _springs(stage)
+    columns = [(part, axis) for part in floating for axis in "xy"]
+    columns += sorted({key for row in rows for key in row if key[0].isdigit() or key == _turning_part(stage)})
+    matrix = np.array([[row.get(key, 0.0) for key in columns] for row in rows])
+    _, sizes, modes = np.linalg.svd(matrix)
+    free = modes[int((sizes > 1e-6).sum()) :]
+    share = np.abs(free).max(axis=0, initial=0.0)
+    return [part for part in floating if any(share[columns.index((part, axis))] > 1e-6 for axis in "xy")]
+
+
+def _central(stage: Planetary | Pair) -> tuple[str, ...]:
+    """Return the members of a stage that are not planets."""
+    return ("ring", "sun", "carrier") if isinstance(stage, Planetary) else ("input", "output")
+
+
+def _turning_part(stage: Planetary | Pair) -> tuple[str, str]:
+    """Return the one turning of a central member that stays when the others are held."""
+    return ("sun", "turn") if isinstance(stage, Planetary) else ("output", "turn")
+
+
+def _springs(stage: Planetary | Pair) -> list[dict[tuple[str, str], float]]:
+    """Return for each spring its stretch by unit motions; turning is counted at the base circle."""
+    if isinstance(stage, Pair):
+        alpha = gears.mesh_geometry(stage, stage.input, stage.output, 1).alpha
+        x, y = np.cos(stage.line_of_centres + np.pi / 2 - alpha), np.sin(stage.line_of_centres + np.pi / 2 - alpha)
+        return [
+            {("input", "x"): -x, ("input", "y"): -y, ("output", "x"): x, ("output", "y"): y, ("output", "turn"): 1.0}
+        ]
+    rows: list[dict[tuple[str, str], float]] = []
+    meshes = (("sun", stage.sun, 1), ("ring", stage.ring, -1))
+    for i, angle in enumerate(planet_angles(stage), start=1):
+        rows += [{(f"{i}", axis): 1.0, ("carrier", axis): -1.0} for axis in "xy"]
+        for part, gear, sigma in meshes:
+            alpha = gears.mesh_geometry(stage, gear, stage.planet, sigma).alpha
+            line = stage.line_of_centres + angle + np.pi / 2 - sigma * alpha
+            x, y = float(np.cos(line)), float(np.sin(line))
+            row = {(f"{i}", "x"): x, (f"{i}", "y"): y, (part, "x"): -x, (part, "y"): -y}
+            rows.append(row | {(f"{i}", "turn"): -float(sigma), (part, "turn"): -1.0})
+    return rows

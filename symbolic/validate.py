@@ -1,54 +1,138 @@
 """What the schema cannot see: names that refer to nothing, gears that cannot mesh, motion that is open."""
 
-from collections.abc import Iterator
-from difflib import get_close_matches
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from math import acos, cos, degrees, pi, tau
+from typing import Annotated, Any
+
+from pydantic import Field, TypeAdapter, ValidationError
 
 from . import gears, train
-from .schema import Gear, Mesh, Pair, Planetary, Scene, Stage
+from .schema import Gear, Member, Mesh, Pair, Planetary, Rotor, Scene, Stage, suggest
+
+PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
+RESERVED = ("reference", "origin", "gravity", "loads", "couplings")
+ONE_STAGE: TypeAdapter[Planetary | Pair] = TypeAdapter(Annotated[Planetary | Pair, Field(discriminator="kind")])
 
 
 def validate(scene: Scene) -> list[str]:
     """Return every defect of a scene that is well-formed, each as key, reason and cure."""
-    faults = [*_references(scene), *(f for name, stage in scene.stages.items() for f in _stage(name, stage))]
+    plain = {
+        "loads": {key: {"member": load.member} for key, load in scene.loads.items()},
+        "couplings": {key: {"between": item.between} for key, item in scene.couplings.items()},
+    }
+    faults = [*_names(scene.stages, scene.rotors), *_references(train.members(scene), plain), *_effects(scene)]
+    for name, stage in scene.stages.items():
+        faults += _stage(name, stage)
     if not scene.stages and not scene.rotors:
         faults.append("stages: the scene has no member; add a stage or a rotor")
-    return faults or train.motion(scene)[1]
+    faults = faults or [*_loads(scene)]
+    if not faults:
+        rigid, faults = train.motion(scene)
+        faults = faults or train.balance_faults(scene, rigid)
+    return faults
 
 
-def _references(scene: Scene) -> Iterator[str]:
-    """Check the names in loads and couplings."""
-    everyone = train.members(scene)
+def validate_parts(plain: Mapping[str, Any]) -> list[str]:
+    """Return the defects that can be seen in a scene though some of its tables are not well-formed."""
+    faults: list[str] = []
+    if not all(isinstance(plain.get(key, {}), dict) for key in ("stages", "rotors")):
+        return faults
+    everyone: dict[str, Member | Rotor | None] = dict.fromkeys(_table(plain, "rotors"))
+    stages = _table(plain, "stages")
+    for name, raw in stages.items():
+        try:
+            stage = ONE_STAGE.validate_python(raw)
+        except ValidationError:
+            kind = raw.get("kind") if isinstance(raw, dict) else None
+            parts = PARTS.get(kind) if isinstance(kind, str) else None
+            everyone |= dict.fromkeys(f"{name}.{part}" for part in parts or sum(PARTS.values(), ()))
+        else:
+            everyone |= {f"{name}.{part}": getattr(stage, part) for part in PARTS[stage.kind]}
+            faults += _stage(name, stage)
+    return [*_names(stages, _table(plain, "rotors")), *_references(everyone, plain), *faults]
+
+
+def _table(plain: Mapping[str, Any], key: str) -> dict[str, Any]:
+    """Return a table of the raw scene, empty where there is something else."""
+    table = plain.get(key)
+    return table if isinstance(table, dict) else {}
+
+
+def _names(stages: Mapping[str, object], rotors: Mapping[str, object]) -> Iterator[str]:
+    """Check that names of stages and rotors are free."""
+    for name in stages:
+        if name in rotors:
+            yield f"rotors.{name}: a stage has this name already; choose another"
+    for section, table in (("stages", stages), ("rotors", rotors)):
+        for name in table:
+            if name in RESERVED:
+                yield f"{section}.{name}: ltcgear uses this name itself; choose another"
+
+
+def _references(everyone: Mapping[str, Member | Rotor | None], plain: Mapping[str, Any]) -> Iterator[str]:
+    """Check the names in loads and couplings; ``everyone`` holds None for a member that is not well-formed."""
     known = [name for name in everyone if not name.endswith(".planet")]
-    used = [(f"loads.{key}.member", load.member) for key, load in scene.loads.items()]
-    used += [(f"couplings.{key}.between", name) for key, item in scene.couplings.items() for name in item.between]
+    used: list[tuple[str, object]] = []
+    for key, load in _table(plain, "loads").items():
+        used.append((f"loads.{key}.member", load.get("member") if isinstance(load, dict) else None))
+    for key, item in _table(plain, "couplings").items():
+        ends = item.get("between") if isinstance(item, dict) else None
+        ends = ends if isinstance(ends, list) else []
+        used += [(f"couplings.{key}.between", name) for name in ends]
+        if len(ends) == 2 and ends[0] == ends[1]:
+            yield f"couplings.{key}.between: both ends are {ends[0]!r:.60}"
     for key, name in used:
+        if not isinstance(name, str):
+            continue
         if name not in known:
-            near = get_close_matches(name, known, 1)
-            cure = f'did you mean "{near[0]}"?' if near else f"members: {', '.join(known)}"
-            yield f"{key}: there is no member {name!r}; {cure}"
+            yield f"{key}: there is no member {name!r:.60}; {suggest(name, known, 'members')}"
+            continue
+        member = everyone[name]
+        if key.startswith("loads.") and member is not None and train.is_fixed(member):
+            yield f'{key}: {name} has support = "fixed" and cannot be driven; free it or drop the load'
+
+
+def _loads(scene: Scene) -> Iterator[str]:
+    """Check that speeds are given once, and not to members that cannot turn."""
+    everyone = train.members(scene)
+    given = [load.member for load in scene.loads.values() if load.speed is not None or load.initial_speed is not None]
+    for name in dict.fromkeys(name for name in given if given.count(name) > 1):
+        yield f"loads: the speed of {name} is given twice; keep one"
     for key, load in scene.loads.items():
-        if load.member in known and train.is_fixed(everyone[load.member]):
-            yield f'loads.{key}: {load.member} has support = "fixed" and cannot be driven; free it or drop the load'
-    for key, item in scene.couplings.items():
-        if item.between[0] == item.between[1]:
-            yield f"couplings.{key}.between: both ends are {item.between[0]!r}"
-    held = [load.member for load in scene.loads.values() if load.speed is not None]
-    for name in sorted({name for name in held if held.count(name) > 1}):
-        yield f"loads: the speed of {name} is given twice"
+        if (load.speed or load.initial_speed) and everyone[load.member].torsional_support is not None:
+            yield f"loads.{key}: {load.member} has a torsional_support and cannot turn; drop the support or the speed"
+
+
+def _effects(scene: Scene) -> Iterator[str]:
+    """Check that effects that are called for have the numbers they need."""
+    planetary = [stage for stage in scene.stages.values() if isinstance(stage, Planetary)]
+    if scene.effects["mesh_friction"] != "off" and not any(
+        mesh.friction for stage in scene.stages.values() for _, mesh, *_ in meshes(stage)
+    ):
+        yield "effects.mesh_friction: no mesh has a friction table; give one its coefficient, or switch it off"
+    if scene.effects["bearing_friction"] != "off" and not any(
+        stage.pin.friction or stage.pin.friction_damping for stage in planetary
+    ):
+        yield "effects.bearing_friction: no pin has friction or friction_damping; give one, or switch it off"
 
 
 def _stage(name: str, stage: Planetary | Pair) -> Iterator[str]:
-    """Check one stage: tooth system, centre distance, meshes, assembly."""
+    """Check one stage: tooth system, centre distance, meshes, assembly, support."""
     key = f"stages.{name}"
     parts = ("ring", "sun", "planet") if isinstance(stage, Planetary) else ("input", "output")
-    missing = list(_tooth_system(key, stage, {part: getattr(stage, part) for part in parts}))
-    yield from missing
-    if missing:
-        return
-    for mesh_name, mesh, one, two, sigma in meshes(stage):
-        yield from _mesh(f"{key}.{mesh_name}", stage, mesh, one, two, sigma)
-    if isinstance(stage, Planetary):
-        yield from _planetary(key, stage)
+    wheels = {part: getattr(stage, part) for part in parts}
+    faults = list(_tooth_system(key, stage, wheels))
+    if not faults and isinstance(stage, Planetary):
+        faults = list(_sizes(key, stage))
+    faults = faults or list(_centre_distance(key, stage))
+    if not faults:
+        for mesh_name, mesh, one, two, sigma in meshes(stage):
+            faults += _mesh(f"{key}.{mesh_name}", stage, mesh, one, two, sigma)
+        if isinstance(stage, Planetary):
+            faults += [*_assembly(key, stage), *(_room(key, stage) if not faults else ())]
+    faults = faults or list(_support(key, stage))
+    yield from faults
 
 
 def meshes(stage: Planetary | Pair) -> list[tuple[str, Mesh, Gear, Gear, int]]:
@@ -62,23 +146,57 @@ def meshes(stage: Planetary | Pair) -> list[tuple[str, Mesh, Gear, Gear, int]]:
 
 
 def _tooth_system(key: str, stage: Stage, wheels: dict[str, Gear]) -> Iterator[str]:
-    """Check that radii and centre distance can be computed."""
+    """Check that radii can be computed."""
     if stage.pressure_angle is not None and not 0.0 < stage.pressure_angle < 0.8:
         yield f"{key}.pressure_angle: must lie between 0 and 45 deg"
     if not -0.8 < stage.helix_angle < 0.8:
         yield f"{key}.helix_angle: must lie between -45 and 45 deg"
-    toothed = stage.module is not None and stage.pressure_angle is not None
+    if (stage.module is None) != (stage.pressure_angle is None):
+        absent, present = ("module", "pressure_angle") if stage.module is None else ("pressure_angle", "module")
+        yield f"{key}.{absent}: is missing; the teeth need it beside {present}"
+        return
+    toothed = stage.module is not None
     for part, gear in wheels.items():
         if gear.base_radius is None and (gear.teeth is None or not toothed):
             yield f"{key}.{part}: give teeth (with the stage's module and pressure_angle) or base_radius"
-    if stage.center_distance is None and not (toothed and all(g.teeth for g in wheels.values())):
+        if gear.base_radius is not None and gear.teeth is not None and toothed:
+            due = gears.base_radius(stage, gear.model_copy(update={"base_radius": None}))
+            if abs(due - gear.base_radius) > 1e-3 * due:
+                yield f"{key}.{part}.base_radius: teeth and module give {due * 1e3:.6g} mm; drop one of them"
+
+
+def _sizes(key: str, stage: Planetary) -> Iterator[str]:
+    """Check that the ring is larger than a planet."""
+    ring, planet = gears.base_radius(stage, stage.ring), gears.base_radius(stage, stage.planet)
+    if ring <= planet * (1 + 1e-9):
+        yield f"{key}.ring: must be larger than the planet; base radii are {ring * 1e3:.6g} and {planet * 1e3:.6g} mm"
+
+
+def _centre_distance(key: str, stage: Planetary | Pair) -> Iterator[str]:
+    """Check that there is one centre distance and that the teeth agree on it."""
+    if stage.center_distance is not None:
+        return
+    wheels = [gear for _, _, *pair, _ in meshes(stage) for gear in pair]
+    if stage.module is None or not all(gear.teeth for gear in wheels):
         yield f"{key}.center_distance: is missing; it follows from teeth only with module and pressure_angle"
+        return
+    distances = {}
+    for name, _, one, two, sigma in meshes(stage):
+        if not gears.working_involute(stage, one, two, sigma) > 1e-9:
+            yield f"{key}.{name}: the profile shifts leave no working pressure angle; give larger ones"
+            return
+        distances[name] = gears.standard_centre_distance(stage, one, two, sigma) * 1e3
+    if len(distances) == 2 and abs(distances["sun_planet"] - distances["ring_planet"]) > 1e-6 * distances["sun_planet"]:
+        yield (
+            f"{key}.center_distance: teeth and profile shifts give {distances['sun_planet']:.3f} mm for sun-planet but "
+            f"{distances['ring_planet']:.3f} mm for ring-planet; let the profile shifts agree, or give center_distance"
+        )
 
 
 def _mesh(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> Iterator[str]:
     """Check one mesh: base circles, reference gear, contact ratio."""
-    base = gears.base_radius(stage, one) + sigma * gears.base_radius(stage, two)
-    distance = gears.stage_distance(stage)
+    r1, r2, distance = gears.base_radius(stage, one), gears.base_radius(stage, two), gears.stage_distance(stage)
+    base = r1 + sigma * r2
     if not 0 < base < distance:
         kind = "sum" if sigma > 0 else "difference"
         yield (
@@ -86,47 +204,75 @@ def _mesh(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, s
             f"{distance * 1e3:.3f} mm; check teeth, module and center_distance"
         )
         return
-    allowed = {
-        "sun_planet": ("sun", "planet"),
-        "ring_planet": ("ring", "planet"),
-        "mesh": ("input", "output"),
-    }
-    choices = allowed[key.rsplit(".", 1)[-1]]
-    if mesh.reference is not None and mesh.reference not in choices:
-        yield f"{key}.reference: must be one of {', '.join(choices)}"
-    if mesh.double_factor is None:
+    if base < distance * cos(pi / 4):
+        yield (
+            f"{key}: the centre distance {distance * 1e3:.3f} mm makes the working pressure angle "
+            f"{degrees(acos(base / distance)):.1f} deg, above 45; check teeth, module and center_distance"
+        )
         return
+    if one.teeth and two.teeth and abs(r1 * two.teeth / (r2 * one.teeth) - 1) > 1e-3:
+        yield f"{key}: base radii and teeth of its gears are not in one ratio; drop base_radius or teeth"
+    choices = tuple(key.rsplit(".", 1)[-1].split("_")) if isinstance(stage, Planetary) else ("input", "output")
+    if mesh.reference is not None and mesh.reference not in choices:
+        yield f"{key}.reference: must be one of {', '.join(choices)}, not {mesh.reference!r}"
+    if mesh.double_factor is not None:
+        yield from _contact_ratio(key, stage, mesh, one, two, sigma)
+
+
+def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> Iterator[str]:
+    """Check that single and double contact can alternate."""
     if one.teeth is None or two.teeth is None:
         yield f"{key}.double_factor: switching needs the teeth of both gears"
-    elif mesh.contact_ratio is None:
-        if stage.module is None or stage.pressure_angle is None:
-            yield f"{key}.contact_ratio: is missing; without module and pressure_angle it cannot be computed"
-            return
-        ratio = gears.contact_ratio(stage, one, two, sigma, distance)
-        if not 1 < ratio < 2:
-            yield (
-                f"{key}.contact_ratio: full-depth teeth would have {ratio:.3f}, outside 1 to 2; "
-                "give contact_ratio, or drop double_factor"
-            )
-
-
-def _planetary(key: str, stage: Planetary) -> Iterator[str]:
-    """Check that sun, planets and ring go together."""
-    sun, planet, ring = stage.sun, stage.planet, stage.ring
-    if stage.carrier.support == "floating" and stage.sun.support == "floating" and stage.ring.support == "floating":
-        yield f"{key}: sun, ring and carrier all float, so nothing holds the stage; give one of them a bearing"
-    if sun.teeth is None or planet.teeth is None or ring.teeth is None:
         return
-    if stage.planet_angles is None and (sun.teeth + ring.teeth) % stage.planets:
+    if mesh.contact_ratio is not None:
+        return
+    if stage.module is None:
+        yield f"{key}.contact_ratio: is missing; without module and pressure_angle it cannot be computed"
+        return
+    distance = gears.stage_distance(stage)
+    ratio = gears.contact_ratio(stage, one, two, sigma, distance)
+    cure = "give contact_ratio, or drop double_factor"
+    if not 1 < ratio < 2:
+        yield f"{key}.contact_ratio: full-depth teeth would have {ratio:.3f}, outside 1 to 2; {cure}"
+    elif gears.interference(stage, one, two, sigma, distance):
+        yield f"{key}.contact_ratio: full-depth tips would cut into the flanks below the base circle; {cure}"
+
+
+def _room(key: str, stage: Planetary) -> Iterator[str]:
+    """Check that neighbouring planets pass each other, by their base circles at least."""
+    around = sorted(angle % tau for angle in train.planet_angles(stage))
+    gaps = [two - one for one, two in pairwise([*around, around[0] + tau])]
+    room = 2 * gears.stage_distance(stage) * abs(cos((pi - min(gaps)) / 2))
+    width = 2 * gears.base_radius(stage, stage.planet)
+    if stage.planets > 1 and room <= width:
         yield (
-            f"{key}.planets: {stage.planets} equally spaced planets cannot be assembled, since "
-            f"({sun.teeth} + {ring.teeth}) / {stage.planets} is not whole; give planet_angles"
+            f"{key}.{'planets' if stage.planet_angles is None else 'planet_angles'}: neighbouring planets overlap, "
+            f"{room * 1e3:.3f} mm apart with base circles of {width * 1e3:.3f} mm; take fewer planets"
         )
-    if stage.center_distance is None:
-        inner = gears.standard_centre_distance(stage, sun, planet, 1)
-        outer = gears.standard_centre_distance(stage, ring, planet, -1)
-        if abs(inner - outer) > 1e-6 * inner:
+
+
+def _assembly(key: str, stage: Planetary) -> Iterator[str]:
+    """Check that each planet meets tooth gaps of sun and ring: (z_s + z_r) (angle_i - angle_1) / 2 pi whole."""
+    if stage.sun.teeth is None or stage.ring.teeth is None:
+        return
+    angles, teeth = train.planet_angles(stage), stage.sun.teeth + stage.ring.teeth
+    if stage.planet_angles is None:
+        if teeth % stage.planets:
             yield (
-                f"{key}.center_distance: teeth and profile shifts give {inner * 1e3:.3f} mm for sun-planet but "
-                f"{outer * 1e3:.3f} mm for ring-planet; choose profile shifts that agree, or give center_distance"
+                f"{key}.planets: {stage.planets} equally spaced planets cannot be assembled, since "
+                f"({stage.sun.teeth} + {stage.ring.teeth}) / {stage.planets} is not whole; give planet_angles"
             )
+        return
+    for i, angle in enumerate(angles):
+        steps = (angle - angles[0]) * teeth / tau
+        if abs(steps - round(steps)) > 0.01:
+            near = degrees(angles[0] + round(steps) * tau / teeth)
+            yield f'{key}.planet_angles.{i}: no teeth meet here; the nearest place is "{near:.9g} deg"'
+
+
+def _support(key: str, stage: Planetary | Pair) -> Iterator[str]:
+    """Check that something holds every member sideways."""
+    loose = train.loose_sideways(stage)
+    if loose:
+        names = " and ".join(loose)
+        yield f'{key}: nothing holds {names} sideways; give one support = "bearing" (or "rigid") instead of "floating"'

@@ -107,6 +107,14 @@ class Element:
         return (*self.coordinates, *self.velocities, *self.parameters)
 
 
+class LogCosh(sp.Function):  # type: ignore[misc]  # SymPy is untyped
+    """ln cosh z, the pseudo-potential of tanh z; of its own so that its derivative never overflows."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Return tanh z."""
+        return sp.tanh(self.args[0])
+
+
 def real(name: str) -> sp.Symbol:
     """Make a real symbol."""
     return sp.Symbol(name, real=True)

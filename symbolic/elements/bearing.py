@@ -2,7 +2,7 @@
 
 import sympy as sp
 
-from .base import Element, Output, Port, positive, real
+from .base import Element, LogCosh, Output, Port, positive, real
 
 CARRIER, PLANET = Port.numbered(1), Port.numbered(2)
 K, C = positive("k"), positive("c")
@@ -57,7 +57,7 @@ def pin_friction() -> Element:
         parameters={
             K: "N/m", X0: "m", Y0: "m", MU: "", DB: "m", CR: "N*m*s/rad", OMEGA0: "rad/s", EPS: "N",
         },
-        dissipation=MU * load * DB / 2 * OMEGA0 * sp.log(sp.cosh(speed / OMEGA0)) + CR * speed**2 / 2,
+        dissipation=MU * load * DB / 2 * OMEGA0 * LogCosh(speed / OMEGA0) + CR * speed**2 / 2,
         wrench=(zero, zero, -torque, zero, zero, torque),
         outputs={"friction_torque": Output(torque, "N*m")},
         rates="absolute",

@@ -13,7 +13,7 @@ with the paper's moment arms :math:`r\tan\alpha` (eqs 32, 34). N is the spring's
 
 import sympy as sp
 
-from .base import Element, Output, positive
+from .base import Element, LogCosh, Output, positive
 from .mesh import ONE, R1, R2, TWO, UNITS, S, deflection, geometry, stiffness
 
 MU, CT, V0 = (positive(n) for n in ("mu", "c_t", "v_0"))
@@ -45,7 +45,7 @@ def mesh_friction(kind: str, law: str, switched: bool) -> Element:
         name=f"mesh_friction_{kind}_{law}" + "_switched" * switched,
         ports=(ONE, TWO),
         parameters={symbol: unit for symbol, unit in units.items() if symbol in free},
-        dissipation=MU * normal * V0 * sp.log(sp.cosh(speed / V0)) + CT * speed**2 / 2,
+        dissipation=MU * normal * V0 * LogCosh(speed / V0) + CT * speed**2 / 2,
         wrench=wrench,
         outputs={"friction": Output(force, "N")},
         source="Wu et al. 2021 eqs 14, 27, 32, 34, sign made dissipative",

@@ -11,6 +11,7 @@ RATE = 8192.0
 DURATION = 4.0
 STEADY = 2.0
 LSP, HSP, PSH = 29.5, 158.0, 628.0
+FREE = 45.0  # no combination of the three and a carrier's turns
 ALPHA = np.deg2rad(20.0)
 
 # group: meshes, mean [N], amplitude [N], frequency [Hz]
@@ -24,10 +25,12 @@ FORCES = {
 
 # member: frequency -> (amplitude along x, amplitude along y) [m/s^2]
 TONES = {
-    "lsp.ring": {LSP: (0.3, 0.4), 2 * HSP: (1.2, 0.5), 114.0: (0.2, 0.0)},
+    "lsp.ring": {},  # at rest by symmetry
+    "lsp.planet.1": {LSP: (0.3, 0.4), 2 * HSP: (1.2, 0.5), FREE: (0.2, 0.0)},
     "lsp.sun": {LSP: (0.1, 0.1)},
     "hsp.carrier": {3 * HSP: (2.0, 0.0), HSP - LSP: (0.6, 0.8)},
-    "hsp.sun": {PSH: (4.0, 3.0)},
+    # One turn of the carrier, 8.4 rad/s or 1.34 Hz, below its mesh: 156.66 Hz, nearest bin 156.5 Hz.
+    "hsp.sun": {PSH: (4.0, 3.0), HSP - 1.5: (0.8, 0.6)},
     "hsp.planet.1": {HSP: (1.0, 1.0)},
     "psh.input": {PSH: (5.0, 12.0), 413.0: (1.5, 2.0)},
     "psh.output": {PSH: (8.0, 6.0), PSH - HSP: (0.3, 0.4), 900.0: (20.0, 0.0)},

@@ -1,13 +1,22 @@
+import io
 import json
 import math
 
 import numpy as np
 import pytest
-from ltcgear.runtime.comparison import compare, position_spectrum, published
+from ltcgear.runtime.comparison import (
+    NOISE,
+    carrier_rotations,
+    compare,
+    named_lines,
+    position_spectrum,
+    published,
+)
+from ltcgear.runtime.spectra import amplitude_spectrum
 from ltcgear.runtime.tables import Table
 from rich.console import Console
 
-from .synthetic import ALPHA, HSP, SPEEDS, STEADY, make_dataset
+from .synthetic import ALPHA, HSP, PSH, SPEEDS, STEADY, make_dataset
 
 
 @pytest.fixture(scope="module")
@@ -22,6 +31,16 @@ def tables(dataset):
 
 def row_of(table, position):
     return dict(zip(table.columns, next(row for row in table.rows if row[0] == position), strict=True))
+
+
+def lines_of(table, *position):
+    return row_of(table, "\n".join(position))["ours: Hz (name) amplitude"].split("\n")
+
+
+def printed(table, width):
+    console = Console(width=width, record=True, file=io.StringIO())
+    table.print(console)
+    return console.export_text()
 
 
 def test_print_is_kept_digit_for_digit():
@@ -50,82 +69,116 @@ def test_printed_load_factors_follow_from_printed_mean_and_amplitude():
 
 def test_speeds_stand_beside_print(tables):
     ring = row_of(tables["table7"], "LSP: ring")
-    assert ring["Speed simulated [r/min]"] == pytest.approx(1.6 * 30.0 / math.pi)
-    assert ring["Speed difference [r/min]"] == pytest.approx(1.6 * 30.0 / math.pi - 15.0)
+    assert ring["r/min"] == pytest.approx(1.6 * 30.0 / math.pi)
+    assert (ring["Teeth"], ring["printed r/min"], ring["printed mesh Hz"]) == (118, 15.0, 29.5)
     planets = row_of(tables["table7"], "LSP: planet")
-    assert planets["Speed simulated [r/min]"] == pytest.approx(3.8 * 30.0 / math.pi)
+    assert planets["r/min"] == pytest.approx(3.8 * 30.0 / math.pi)
+    assert planets["printed r/min"] == 36.87
+    # The other signs: magnitudes stand in the table.
+    assert row_of(tables["table7"], "LSP: sun")["r/min"] == pytest.approx(8.4 * 30.0 / math.pi)
+    assert row_of(tables["table7"], "PSH: input")["mesh Hz"] == pytest.approx(PSH)
 
 
 def test_the_hsp_planet_turns_relative_to_its_carrier(tables):
     planet = row_of(tables["table7"], "HSP: planet")
     relative = SPEEDS["hsp.planet.1"] - SPEEDS["hsp.carrier"]
-    assert planet["Speed simulated [r/min]"] == pytest.approx(relative * 30.0 / math.pi)
-    assert planet["Mesh frequency simulated [Hz]"] == pytest.approx(HSP)
-    assert planet["Mesh frequency difference [Hz]"] == pytest.approx(HSP - 158.2)
+    assert planet["r/min"] == pytest.approx(relative * 30.0 / math.pi)
+    assert planet["mesh Hz"] == pytest.approx(HSP)
+    assert (planet["printed r/min"], planet["printed mesh Hz"]) == (189.84, 158.2)
 
 
 def force_row(table, place, component):
     return next(
         row
         for row in (dict(zip(table.columns, cells, strict=True)) for cells in table.rows)
-        if row["Position"] == published()["table9"]["rows"][place]["position"] and row["Component"] == component
+        if row["Position"] == published()["table9"]["rows"][place]["position"] and row["force"].rstrip("*") == component
     )
 
 
-@pytest.mark.parametrize(("component", "scale"), [("normal", 1.0), ("tangential", np.cos(ALPHA))])
+@pytest.mark.parametrize(("component", "scale"), [("normal", 1.0), ("tangent", np.cos(ALPHA))])
 def test_mesh_forces_stand_beside_print(tables, component, scale):
     row = force_row(tables["table9"], 0, component)
-    assert row["Mean simulated [1e5 N]"] == pytest.approx(3.5 * scale, rel=1e-4)
-    assert row["Amplitude simulated [1e5 N]"] == pytest.approx(0.5 * scale, rel=1e-3)
-    assert row["Load factor simulated"] == pytest.approx(4.0 / 3.5, rel=1e-3)
-    assert (row["Mean printed [1e5 N]"], row["Amplitude printed [1e5 N]"]) == (3.34, 0.39)
-    assert row["Load factor printed"] == 1.118
-    assert row["Service load Table 4 [1e5 N]"] == 3.55
+    assert row["mean"] == pytest.approx(3.5 * scale, rel=1e-4)
+    assert row["ampl."] == pytest.approx(0.5 * scale, rel=1e-3)
+    assert row["factor"] == pytest.approx(4.0 / 3.5, rel=1e-3)
+    assert (row["mean pr."], row["ampl. pr."], row["factor pr."]) == (3.34, 0.39, 1.118)
+    assert tables["table9"].title.endswith("forces in 1e5 N")
+
+
+def test_service_loads_are_noted(tables):
+    loads = "lsp.sun_planet 3.55; lsp.ring_planet 3.55; hsp.sun_planet 1.04; hsp.ring_planet 1.03; psh.mesh 1.17."
+    assert tables["table9"].notes[-1] == f"Service loads of Table 4 [1e5 N]: {loads}"
 
 
 def test_each_row_says_which_component_is_nearer_to_print(tables):
-    nearer = {
-        place: [force_row(tables["table9"], place, word)["Nearer to print"] for word in ("normal", "tangential")]
-        for place in (0, 1)
-    }
-    # 3.5 and 3.5 cos 20 = 3.29 beside 3.34; 3.6 and 3.38 beside 3.55.
-    assert nearer == {0: ["no", "yes"], 1: ["yes", "no"]}
+    # 3.5 and 3.5 cos 20 = 3.29 beside 3.34; 3.6 and 3.38 beside 3.55; 1.0 and 0.94 beside 0.97;
+    # 1.1 and 1.03 beside 0.98; 1.2 and 1.13 beside 1.09.
+    assert tables["table9"].column("force") == (
+        "normal", "tangent*", "normal*", "tangent", "normal*", "tangent", "normal", "tangent*", "normal", "tangent*",
+    )  # fmt: skip
+    assert [note for note in tables["table9"].notes if "*: the component that print is nearer to" in note]
 
 
 def test_the_other_flank_counts_by_magnitude(tables):
     row = force_row(tables["table9"], 4, "normal")
-    assert row["Mean simulated [1e5 N]"] == pytest.approx(1.2, rel=1e-4)
-    assert row["Load factor worst mesh"] == pytest.approx(1.25, rel=1e-3)
+    assert row["mean"] == pytest.approx(1.2, rel=1e-4)
+    assert row["factor"] == pytest.approx(1.25, rel=1e-3)
 
 
 def test_without_a_pressure_angle_only_the_normal_force_is_given():
     table = compare(make_dataset())["table9"]
-    assert table.column("Component") == ("normal",) * 5
-    assert set(table.column("Nearer to print")) == {None}
+    assert table.column("force") == ("normal",) * 5  # and no star: there is nothing to choose from
     assert any("no pressure angle" in note for note in table.notes)
 
 
 def test_lines_are_named_and_ordered_by_strength(tables):
-    lines = row_of(tables["table8"], "Front chassis")["Our lines [Hz] (name) amplitude"].split("\n")
-    assert lines == ["316.0 (2 x hsp) 1.3", "29.5 (1 x lsp) 0.5", "114.0 (?) 0.2"]
-    ring_gear = row_of(tables["table8"], "HSP:ring gear")
-    assert ring_gear["Our signal"] == "acceleration of hsp.carrier [m/s^2]"
-    assert ring_gear["Our lines [Hz] (name) amplitude"].split("\n") == [
-        "474.0 (3 x hsp) 2",
-        "128.5 (hsp - 1 x lsp) 1",
-    ]
-    assert ring_gear["Measured [Hz]"] == "62.5, 312.5, 479.1, 625"
+    lines = lines_of(tables["table8"], "Front chassis", "LSP: bearing", "ours: lsp.planet.1")
+    assert lines == ["316.0 (2 hsp) 1.3", "29.5 (1 lsp) 0.5", "45.0 (?) 0.2"]
+    place = ("HSP:ring gear", "HSP: ring gear", "ours: hsp.carrier")
+    assert lines_of(tables["table8"], *place) == ["474.0 (3 hsp) 2", "128.5 (hsp - 1 lsp) 1"]
+    ring_gear = row_of(tables["table8"], "\n".join(place))
+    assert ring_gear["measured"].split("\n") == ["62.5", "312.5", "479.1", "625"]
+    assert ring_gear["printed"].split("\n") == ["59.2", "316.5", "474.4", "628"]
+    assert "amplitude of the acceleration [m/s^2], root-sum-square" in tables["table8"].notes[0]
+    assert tables["table8"].notes[-1] == "Resolution of our spectra: 0.5 Hz."
+
+
+def test_a_turn_of_the_carrier_beside_its_mesh_is_named(dataset, tables):
+    # 158 Hz - 8.4 / 2 pi Hz = 156.66 Hz, on the grid of 0.5 Hz at 156.5 Hz.
+    assert carrier_rotations(dataset, STEADY) == pytest.approx({"hsp.carrier": 8.4 / (2.0 * math.pi)})
+    place = ("Back chassis", "PSH: input bearing &", "HSP: output bearing", "ours: hsp.sun")
+    assert lines_of(tables["table8"], *place) == ["628.0 (1 psh) 5", "156.5 (hsp - 1 hsp.carrier) 1"]
+    assert carrier_rotations(dataset.drop_vars("speed"), STEADY) == {}
+    still = compare(dataset.assign(speed=0.0 * dataset["speed"]))["table8"]
+    assert lines_of(still, *place)[1] == "156.5 (?) 1"
 
 
 def test_lines_above_the_printed_range_stay_out(tables):
-    output = row_of(tables["table8"], "Output shaft")["Our lines [Hz] (name) amplitude"]
-    assert output.split("\n") == ["628.0 (1 x psh) 10", "470.0 (psh - 1 x hsp) 0.5"]
+    lines = lines_of(tables["table8"], "Output shaft", "ours: psh.output")
+    assert lines == ["628.0 (1 psh) 10", "470.0 (psh - 1 hsp) 0.5"]
+
+
+def test_rounding_makes_no_lines(dataset):
+    time = np.arange(2048) / 1024.0
+    signal = sum(a * NOISE * np.sin(2 * np.pi * f * time) for f, a in ((100.0, 2.0), (200.0, 1.5), (300.0, 0.9)))
+    found = named_lines(*amplitude_spectrum(signal, 1024.0), {"one": 50.0})
+    # 0.9 of the limit is 45 % of the strongest line, so nothing but the limit drops it.
+    assert [(line.frequency_hz, name) for line, name in found] == [(100.0, "2 one"), (200.0, "4 one")]
+    assert [line.amplitude for line, _ in found] == pytest.approx([2.0 * NOISE, 1.5 * NOISE])
+    axes = ("acceleration_x", "acceleration_y")
+    faint = compare(dataset.assign({axis: dataset[axis] * (0.05 * NOISE) for axis in axes}))["table8"]
+    # The strongest line there is 13 m/s^2, 0.65 of the limit.
+    assert set(faint.column("ours: Hz (name) amplitude")) == {"none above rounding"}
 
 
 def test_every_member_of_a_position_has_a_row(tables):
-    signals = tables["table8"].column("Our signal")
-    assert [signal.split()[2] for signal in signals] == [
-        "lsp.ring", "hsp.carrier", "psh.output", "psh.input", "hsp.sun", "psh.output",
+    positions = [position.split("\n") for position in tables["table8"].column("Position")]
+    assert [position[-1] for position in positions] == [
+        f"ours: {member}"
+        for member in ("lsp.planet.1", "hsp.carrier", "psh.output", "psh.input", "hsp.sun", "psh.output")
+    ]
+    assert [position[0] for position in positions] == [
+        "Front chassis", "HSP:ring gear", "Output shaft", "Back chassis", "Back chassis", "Input of generator",
     ]  # fmt: skip
 
 
@@ -140,20 +193,39 @@ def test_a_bearing_stands_in_for_a_member_without_acceleration(dataset):
 
 def test_another_scene_keeps_the_printed_half(dataset):
     tables = compare(dataset[["time"]])
-    assert set(tables["table7"].column("Speed simulated [r/min]")) == {None}
-    assert tables["table9"].column("Mean printed [1e5 N]") == (3.34, 3.55, 0.97, 0.98, 1.09)
-    assert "not simulated" in tables["table8"].rows[0][4]
+    assert set(tables["table7"].column("r/min")) == {None}
+    assert tables["table7"].column("printed r/min") == (15, 36.87, 80.45, 189.84, 638.82, 638.82, 1794.75)
+    assert tables["table9"].column("mean pr.") == (3.34, 3.55, 0.97, 0.98, 1.09)
+    assert set(tables["table9"].column("mean")) == {None}
+    assert set(tables["table9"].column("force")) == {"not simulated"}
+    assert set(tables["table8"].column("ours: Hz (name) amplitude")) == {"not simulated"}
+    assert tables["table8"].rows[0][1].split("\n") == ["62.5", "114.4", "156.3", "312.5", "625"]
 
 
 def test_tables_convert_to_json_and_print(tables):
     for table in tables.values():
         assert json.loads(json.dumps(table.to_json(), allow_nan=False))["columns"] == list(table.columns)
-        console = Console(width=240, record=True, file=open("/dev/null", "w"))  # noqa: SIM115, PTH123
-        table.print(console)
-        console.file.close()
-        text = console.export_text()
-        assert table.rows[0][0] in text
-        assert "Hz]" in text or "1e5 N]" in text
+        text = printed(table, 240)
+        assert all(line in text for row in table.rows for line in row[0].split("\n"))
+        assert all(heading in text for heading in table.columns)
+        assert "Hz" in table.columns[-1] + table.columns[-2] or "1e5 N" in table.title
+        assert "[Hz]" not in table.title + "".join(table.columns)  # nothing that rich could take for markup
+
+
+def test_brackets_are_no_markup():
+    text = printed(Table("Title [m/s^2]", ("a [bold]",), (("[red]a cell as wide as the title",),), ("note [Hz]",)), 80)
+    assert all(part in text for part in ("Title [m/s^2]", "a [bold]", "[red]a cell", "note [Hz]"))
+
+
+@pytest.mark.parametrize("width", [80, 240])
+def test_no_line_and_no_number_is_broken(tables, width):
+    lines = printed(tables["table8"], width).split("\n")
+    assert max(len(line.rstrip()) for line in lines) <= width
+    for row in tables["table8"].rows:
+        assert all(any(line.rstrip().endswith(own) for line in lines) for own in row[-1].split("\n"))
+    words = printed(tables["table9"], width).split()
+    for number in ("tangent*", "3.289", "3.383", "1.034", "0.376", "1.143", "1.118", "1.349", "0.34"):
+        assert number in words
 
 
 def test_a_table_refuses_ragged_rows_and_hides_nan():

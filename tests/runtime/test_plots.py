@@ -53,6 +53,7 @@ def test_forces_are_tangential_and_span_six_periods(dataset):
     assert _draw_forces(axes, dataset, _FORCES[0])
     lines = curves(axes)
     assert list(lines) == ["planet 1", "planet 2", "planet 3", "planet 4", "printed mean"]
+    assert [lines[f"planet {number}"].get_linestyle() for number in (1, 2, 3, 4)] == ["-", "-", "--", "--"]
     time, force = lines["planet 1"].get_data()
     assert time[-1] == pytest.approx(1e3 * 6 / LSP, abs=0.2)
     assert force.max() == pytest.approx(4.0 * np.cos(ALPHA), rel=1e-4)
@@ -76,7 +77,8 @@ def test_spectrum_shows_its_lines_and_the_printed_ones(dataset):
     frequency, amplitude = curves(axes)["simulated"].get_data()
     assert amplitude[frequency == 316.0] == pytest.approx(1.3)
     assert list(curves(axes)["paper, measured"].get_xdata()) == [62.5, 114.4, 156.3, 312.5, 625]
-    assert {"1: 316.0 Hz = 2 x hsp", "2: 29.5 Hz = 1 x lsp", "3: 114.0 Hz"} <= set(curves(axes))
+    assert {"1: 316.0 Hz = 2 hsp", "2: 29.5 Hz = 1 lsp", "3: 45.0 Hz"} <= set(curves(axes))
+    assert list(curves(axes)["paper, simulated"].get_xdata()) == [59.2, 158.7, 316.2, 628.1]
     places = {text.get_text(): text.xy for text in axes.texts}
     assert places["1"] == pytest.approx((316.0, 1.3))
 

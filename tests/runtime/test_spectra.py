@@ -1,5 +1,10 @@
+from types import SimpleNamespace
+
+import casadi as ca
 import numpy as np
 import pytest
+from ltcgear.generated.contract import Report
+from ltcgear.runtime.results import sampled
 from ltcgear.runtime.spectra import (
     Line,
     amplitude_spectrum,
@@ -11,6 +16,7 @@ from ltcgear.runtime.spectra import (
 RATE = 1000.0
 TIME = np.arange(1000) / RATE
 MESHES = {"lsp": 29.5, "hsp": 158.2, "psh": 628.3}
+CARRIER = {"lsp.carrier": 0.0, "hsp.carrier": 1.34}
 
 
 def sine(amplitude, frequency, phase=0.3):
@@ -90,14 +96,19 @@ def test_silence_has_no_lines():
 @pytest.mark.parametrize(
     ("frequency", "name"),
     [
-        (29.5, "1 x lsp"),
-        (59.2, "2 x lsp"),
-        (474.4, "3 x hsp"),
-        (628.1, "1 x psh"),
-        (187.7, "hsp + 1 x lsp"),
-        (99.3, "hsp - 2 x lsp"),
-        (345.9, "2 x hsp + 1 x lsp"),
-        (786.5, "psh + 1 x hsp"),
+        (29.5, "1 lsp"),
+        (59.2, "2 lsp"),
+        (474.4, "3 hsp"),
+        (628.1, "1 psh"),
+        (187.7, "hsp + 1 lsp"),
+        (99.3, "hsp - 2 lsp"),
+        (345.9, "2 hsp + 1 lsp"),
+        (786.5, "psh + 1 hsp"),
+        (413.0, "14 lsp"),
+        (737.5, "25 lsp"),
+        (767.0, ""),  # would be 26 lsp
+        (1098.4, "2 psh - 1 hsp"),
+        (156.9, ""),
         (45.0, ""),
         (557.5, ""),
     ],
@@ -106,9 +117,136 @@ def test_names(frequency, name):
     assert name_line(frequency, MESHES, 0.5) == name
 
 
+@pytest.mark.parametrize(
+    ("frequency", "name"),
+    [
+        (156.86, "hsp - 1 hsp.carrier"),
+        (159.54, "hsp + 1 hsp.carrier"),
+        (313.72, "2 hsp - 2 hsp.carrier"),
+        (624.28, ""),
+        (158.2, "1 hsp"),
+        (158.6, "1 hsp"),  # 0.4 Hz from the harmonic
+        (187.7, "hsp + 1 lsp"),
+        (152.84, ""),  # four turns are one too many
+        (45.0, ""),
+    ],
+)
+def test_names_by_a_carriers_turns(frequency, name):
+    assert name_line(frequency, MESHES, 0.5, CARRIER) == name
+
+
+def test_without_rotations_a_carriers_turns_explain_nothing():
+    assert [name_line(frequency, MESHES, 0.5) for frequency in (156.86, 159.54, 313.72, 624.28)] == [""] * 4
+    assert name_line(156.86, MESHES, 0.5, {"hsp.carrier": 0.0}) == ""
+
+
+def test_of_sidebands_of_meshes_and_carriers_the_lowest_sum_of_orders_wins():
+    # 628.3 - 158.2 = 470.1 Hz exactly; 3 * 158.2 - 3 * 1.34 = 470.58 Hz is 0.48 Hz away and of order 6.
+    assert name_line(470.1, MESHES, 0.5) == "psh - 1 hsp"
+    assert name_line(470.1, MESHES, 0.5, CARRIER) == "psh - 1 hsp"
+
+
 def test_a_low_order_beats_a_closer_high_one():
-    assert name_line(300.0, {"a": 30.0, "b": 150.2}, 0.5) == "2 x b"
+    assert name_line(300.0, {"a": 30.0, "b": 150.2}, 0.5) == "2 b"
+    assert name_line(480.0, {"a": 20.0}, 0.5) == "24 a"
+    assert name_line(520.0, {"a": 20.0}, 0.5) == ""
 
 
 def test_standing_meshes_explain_nothing():
     assert name_line(0.1, {"lsp": 0.0, "hsp": 50.0}, 0.5) == ""
+
+
+# Results keep every OVERSAMPLE-th sample: 65536 Hz become 8192 Hz, whose half is 4096 Hz.
+OVERSAMPLE, KEPT = 8, 8192.0
+LOUD = 223.0  # where 13 * 613 Hz = 7969 Hz would show: 8192 Hz - 7969 Hz
+
+
+def fake_run(*rows):
+    """A library whose outputs are its states and a trajectory through `rows` (ax, ay, vx, vy, other)."""
+    x, levels, p = ca.SX.sym("x", 5), ca.SX.sym("s", 1), ca.SX.sym("p", 1)
+    reports = [
+        Report(quantity, "disc", unit, "member")
+        for quantity, unit in (
+            ("acceleration_x", "m/s^2"), ("acceleration_y", "m/s^2"),
+            ("velocity_x", "m/s"), ("velocity_y", "m/s"), ("displacement_x", "m"),
+        )
+    ]  # fmt: skip
+    outputs = ca.Function("outputs", [x, levels, p], [ca.densify(p[0] * x + 0 * levels[0])])
+    library = SimpleNamespace(functions={"outputs": outputs}, manifest=SimpleNamespace(reports=tuple(reports)))
+    time = np.arange(rows[0].size) / (KEPT * OVERSAMPLE)
+    return library, np.ones(1), SimpleNamespace(time=time, x=np.stack(rows, axis=1), levels=np.ones((time.size, 1)))
+
+
+def fine_time(seconds=1.0):
+    return np.arange(round(seconds * KEPT * OVERSAMPLE)) / (KEPT * OVERSAMPLE)
+
+
+def shaken(time, tones):
+    """Acceleration and velocity of a disc: frequency [Hz] -> amplitude of the acceleration [m/s^2]."""
+    turns = {2 * np.pi * frequency: amplitude for frequency, amplitude in tones.items()}
+    acceleration = sum(amplitude * np.cos(w * time + 0.4) for w, amplitude in turns.items())
+    return acceleration, sum(amplitude / w * np.sin(w * time + 0.4) for w, amplitude in turns.items())
+
+
+def read_peaks(values, floor=0.01):
+    """Frequency -> amplitude of all peaks above a hundredth of the strongest."""
+    spectrum = amplitude_spectrum(values, KEPT)
+    return {line.frequency_hz: line.amplitude for line in strongest_lines(*spectrum, 1000, 3.0, floor)}
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_a_tone_above_the_kept_half_rate_leaves_no_false_line(axis):
+    tones = {100.0: 1.0, 1500.0: 0.5, 7969.0: 2.0, 20000.0: 1.0}
+    time = fine_time()
+    acceleration, velocity = shaken(time, tones)
+    still = np.zeros_like(time)
+    both = (acceleration, still, velocity, still) if axis == "x" else (still, acceleration, still, velocity)
+    run = fake_run(*both, time)
+    column = "xy".index(axis)
+    rows, values = sampled(*run, OVERSAMPLE)
+    assert list(rows[:3]) == [0, 8, 16]
+    assert values.shape == (8192, 5)
+    # Every eighth acceleration as it is shows both high tones, at 223 Hz and at 20000 - 2 * 8192 Hz.
+    naive = read_peaks(acceleration[rows])
+    assert naive == pytest.approx({100.0: 1.0, 1500.0: 0.5, LOUD: 2.0, 3616.0: 1.0})
+    # Read by `sampled`, only what is there remains; the difference over two steps reads sin(wh)/wh low.
+    assert read_peaks(values[:, column]) == pytest.approx({100.0: 1.0, 1500.0: 0.5}, rel=5e-3)
+    assert np.abs(values[:, 1 - column]).max() == 0.0
+    # Other outputs are the samples themselves.
+    assert (values[:, 2:] == run[2].x[rows, 2:]).all()
+
+
+def test_jumps_of_the_acceleration_leave_no_false_line():
+    # A square wave of 613 Hz, as stiffness jumps make it: odd harmonics 4 / (pi k), without end.
+    time = fine_time()
+    cycle = np.mod(613.0 * time + 0.1234, 1.0)
+    acceleration = np.where(cycle < 0.5, 1.0, -1.0)
+    velocity = np.where(cycle < 0.5, cycle - 0.25, 0.75 - cycle) / 613.0
+    run = fake_run(acceleration, acceleration, velocity, velocity, time)
+    rows, values = sampled(*run, OVERSAMPLE)
+    naive, clean = read_peaks(acceleration[rows]), read_peaks(values[:, 0])
+    assert naive[LOUD] == pytest.approx(4.0 / (13.0 * np.pi), rel=0.05)
+    # Just below 4096 Hz the filter still lets a little through; below 3400 Hz nothing may be false.
+    assert {f: a for f, a in clean.items() if f < 3400.0} == pytest.approx(
+        {k * 613.0: 4.0 / (k * np.pi) for k in (1, 3, 5)}, rel=0.02
+    )
+    assert (values[:, 0] == values[:, 1]).all()
+
+
+def test_the_filter_delays_nothing():
+    time = fine_time()
+    acceleration, velocity = shaken(time, {100.0: 1.0, 7969.0: 2.0})
+    true = shaken(time, {100.0: 1.0})[0]
+    rows, values = sampled(*fake_run(acceleration, acceleration, velocity, velocity, time), OVERSAMPLE)
+    # Ten kept samples at either end are within the filter's reach of what is not there.
+    assert np.abs(values[:, 0] - true[rows])[10:-10].max() < 5e-3
+
+
+def test_without_oversampling_or_with_few_samples_nothing_is_filtered():
+    time = fine_time(0.007)  # 58 kept samples
+    acceleration, velocity = shaken(time, {100.0: 1.0, 7969.0: 2.0})
+    run = fake_run(acceleration, acceleration, velocity, velocity, time)
+    for oversample in (1, OVERSAMPLE):
+        rows, values = sampled(*run, oversample)
+        assert (rows == np.arange(0, time.size, oversample)).all()
+        assert (values == run[2].x[rows]).all()

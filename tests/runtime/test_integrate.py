@@ -1,0 +1,300 @@
+"""Integrations: methods against each other, against an exact solution, against energy; failures; real calls."""
+
+import ctypes
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from ltcgear.generated import store
+from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime import stepper
+from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium, mean_levels, start_state, state_matrix
+from ltcgear.runtime.integrate import integrate
+from ltcgear.runtime.kernel import Kernel, over_time
+from ltcgear.runtime.library import Library, build, external
+from ltcgear.runtime.results import energy_residual
+from ltcgear.runtime.stepper import METHODS, Nodes
+from scipy.linalg import expm
+
+from . import exact
+from .models import case, run
+
+
+def residual(c, path, at=None):
+    return abs(energy_residual(c.library, c.p, at or c.at, path))
+
+
+INTERPOLATION = {"cvodes": 1e-6, "idas": 1e-6, "erk": 3e-6, "rosenbrock": 3e-6}
+"""What reading between the nodes of a segment may cost, whatever the tolerance."""
+
+
+def displaced(c, seed=0, size=1e-8):
+    """The equilibrium pushed out of its place."""
+    x = c.at.x.copy()
+    position = c.library.index("")
+    axes = [c.library.manifest.states[i].axis for i in position]
+    push = np.random.default_rng(seed).normal(size=len(position)) * size
+    x[position] += np.where(np.array(axes) == "u", 10 * push, push)
+    return Equilibrium(x, c.at.levels, 0.0, 0)
+
+
+# --- methods against each other
+
+
+def force_error(c, one, two):
+    """Largest difference of any mesh force, relative to its mean."""
+    a, b = c.mesh_forces(one), c.mesh_forces(two)
+    same = (one.levels == two.levels).all(axis=1)
+    assert same.mean() > 0.999
+    return (np.abs(a - b)[same].max(axis=0) / np.abs(b).mean(axis=0)).max()
+
+
+@pytest.mark.parametrize("method", ["idas", "erk", "rosenbrock"])
+def test_methods_agree_on_mesh_forces(method):
+    c = case("rig-2mw")
+    one, two = run("rig-2mw", method=method), run("rig-2mw", method="cvodes")
+    assert one.status == two.status == "done"
+    assert len(one.time) == round(0.1 * 8192) + 1
+    assert force_error(c, one, two) < 1e-4
+
+
+def test_stiffness_really_makes_the_forces_swing():
+    c = case("rig-2mw")
+    forces = c.mesh_forces(run("rig-2mw", method="cvodes"))
+    assert (np.ptp(forces, axis=0) > 0.02 * np.abs(forces).mean(axis=0)).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_energy_is_accounted_for(method):
+    c, path = case("rig-2mw"), run("rig-2mw", method=method)
+    assert residual(c, path) < 1e-5
+    assert abs(path.jump_energy) > 1e-4 * abs(path.work) or path.counts.events == 0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_run_is_counted(method):
+    counts = run("rig-2mw", method=method).counts
+    assert counts.rhs > counts.steps > counts.segments > 100
+    assert (counts.jacobian > 0) == (method != "erk")
+    assert counts.events == run("rig-2mw", method="cvodes").counts.events > 200
+
+
+# --- against the exact solution of a piecewise linear train
+
+
+@pytest.fixture(scope="module")
+def train():
+    c = case("psh", *exact.SETTINGS)
+    return c, exact.Train(c.scene)
+
+
+def exact_error(c, train, path):
+    """Largest error of mesh force, relative to its mean, and of the generator's twist, relative to its swing."""
+    wanted = train.solve(path.time)
+    given = path.x[:, [c.state(name) for name in exact.FREE]]
+    clear = np.abs(path.time[:, None] - train.switchings(path.time[-1])[0]).min(axis=1) > 1e-9
+    k = train.mesh.stiffness(path.levels[:, 0])
+    force = k * (wanted[:, :3] @ train.pull) + train.c * (wanted[:, 3:] @ train.pull)
+    shown = c.mesh_forces(path)[:, 0]
+    twist = np.abs(given - wanted[:, :3]).max(axis=0) / np.ptp(wanted[:, :3], axis=0)
+    return np.abs(shown - force)[clear].max() / np.abs(force).mean(), twist.max()
+
+
+def end_error(c, train, path):
+    """Error of the last state, which is a segment's end, relative to the swings."""
+    wanted = train.solve(path.time)
+    names = [*exact.FREE, *(f"{name}.rate" for name in exact.FREE)]
+    given = path.x[-1, [c.state(name) for name in names]]
+    return np.linalg.norm((given - wanted[-1]) / np.ptp(wanted, axis=0))
+
+
+def test_the_equilibrium_of_the_exact_train(train):
+    c, by_hand = train
+    assert c.at.x[[c.state(name) for name in exact.FREE]] == pytest.approx(by_hand.equilibrium(), rel=1e-10)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_exact_solution_is_met_at_every_sample(train, method):
+    c, by_hand = train
+    # 50 kHz: samples lie everywhere between the Chebyshev nodes of a segment.
+    path = c.run(method=method, rtol=1e-8, rate=50e3, t_end=0.05)
+    assert path.status == "done"
+    assert path.counts.events > 50
+    force, twist = exact_error(c, by_hand, path)
+    assert force < INTERPOLATION[method]
+    assert twist < 1e-5
+
+
+@pytest.mark.parametrize("speed", ["638.904 rpm", "-9000 rpm", "3 rpm"])
+def test_the_exact_solution_at_other_speeds(speed):
+    c = case("psh", *exact.SETTINGS, f'loads.input.speed = "{speed}"')
+    path = c.run(method="erk", rtol=1e-8, rate=20e3, t_end=0.05)
+    assert max(exact_error(c, exact.Train(c.scene), path)) < 2e-5
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_errors_fall_with_the_tolerance(train, method):
+    c, by_hand = train
+    paths = [c.run(method=method, rtol=rtol, t_end=0.05) for rtol in (1e-3, 1e-5, 1e-7)]
+    forces = [exact_error(c, by_hand, path)[0] for path in paths]
+    assert forces[0] > 3 * forces[1]
+    assert forces[1] > 3 * forces[2] or forces[2] < INTERPOLATION[method]
+    ends = [end_error(c, by_hand, path) for path in paths]
+    assert ends[0] > 10 * ends[1] > 100 * ends[2]
+    assert paths[0].counts.steps < paths[1].counts.steps < paths[2].counts.steps
+
+
+def test_more_samples_change_no_sample():
+    coarse, fine = (run("rig-2mw", method="cvodes", rate=rate) for rate in (8192.0, 3 * 8192.0))
+    assert np.allclose(coarse.time, fine.time[::3], rtol=0, atol=1e-15)
+    c = case("rig-2mw")
+    one, two = c.mesh_forces(coarse), c.mesh_forces(fine)[::3]
+    same = (coarse.levels == fine.levels[::3]).all(axis=1)
+    assert same.mean() > 0.999
+    assert np.abs(one - two)[same].max() < 1e-6 * np.abs(one).mean()
+
+
+@pytest.mark.parametrize(("count", "allowed"), [(12, 5e-6), (24, 1e-8)])
+def test_nodes_interpolate_a_cosine(count, allowed):
+    nodes = Nodes(count)
+    times = np.linspace(0, 1, 997)
+    # The fastest mode turns by count / 1.5 rad a segment at most.
+    wave = np.cos(count / 1.5 * nodes.points + 0.3)
+    assert np.abs(nodes.matrix(times) @ wave - np.cos(count / 1.5 * times + 0.3)).max() < allowed
+    assert np.abs(nodes.matrix(nodes.points) - np.eye(count + 1)).max() == 0.0
+
+
+# --- free vibration
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_without_damping_energy_stays(method):
+    c = case("lin-parker-4")
+    at = displaced(c)
+    path = c.run(at=at, method=method, rtol=1e-8, t_end=0.02)
+    balance = over_time(c.library.functions["energy"], [path.x, path.levels, c.p])
+    energy = balance[:, 0] + balance[:, 1]
+    assert path.status == "done"
+    assert energy[0] > 0
+    assert np.abs(energy / energy[0] - 1).max() < 2e-4
+    assert np.ptp(balance[:, 1]) > 0.5 * energy[0]
+    assert path.work == pytest.approx(0.0, abs=1e-12 * energy[0])
+
+
+def test_small_free_vibrations_are_the_matrix_exponential():
+    c = case("lin-parker-4")
+    at = displaced(c)
+    path = c.run(at=at, method="erk", rtol=1e-9, t_end=0.005, rate=20e3)
+    A = state_matrix(c.library, c.at.x, c.at.levels, c.p)
+    wanted = np.array([expm(A * t) @ at.x for t in path.time])
+    size = np.abs(wanted).max(axis=0)
+    assert (np.abs(path.x - wanted).max(axis=0) / size).max() < 2e-5
+
+
+# --- failures
+
+
+def test_a_failing_solver_is_a_status(monkeypatch):
+    monkeypatch.setattr(stepper, "MOST_STEPS", 2)
+    path = case("psh").run(method="cvodes", rtol=1e-8)
+    assert path.status.startswith("cvodes stopped at t = ")
+    assert "rtol 1e-08" in path.status
+    assert "--method" in path.status
+    assert len(path.time) == len(path.x) == len(path.levels) >= 1
+    assert path.end < 0.1
+
+
+@pytest.mark.parametrize("method", ["erk", "cvodes", "idas", "rosenbrock"])
+def test_gears_pulled_into_each_other_stop_the_run_and_keep_the_data(monkeypatch, method):
+    monkeypatch.setattr(stepper, "MOST_STEPS", 10_000)
+    # On the wrong flank the mesh pulls 1.18e5 N; soft bearings let the base circles meet after some milliseconds.
+    soft = [f'stages.psh.{part}.bearing.stiffness = "1e6 N/m"' for part in ("input", "output")]
+    c = case("psh", *soft, 'stages.psh.mesh.flank = "printed"')
+    x = start_state(c.library, c.p)
+    at = Equilibrium(x, mean_levels(c.library, x, c.p), 0.0, 0)
+    path = c.run(at=at, method=method, rtol=1e-6, t_end=0.1, rate=1e5)
+    assert path.status.startswith(f"{method} stopped at t = ")
+    assert 1e-3 < path.end < 0.05
+    assert path.end - 1e-5 < path.time[-1] <= path.end
+    assert len(path.time) == len(path.x) == len(path.levels) > 100
+    assert np.isfinite(path.x).all()
+    assert np.isfinite(over_time(c.library.functions["outputs"], [path.x, path.levels, c.p])).all()
+
+
+def test_an_unknown_method_is_refused():
+    with pytest.raises(LtcgearError, match="euler"):
+        case("psh").run(method="euler")
+
+
+def test_progress_is_told():
+    told = []
+    case("psh").run(method="erk", rtol=1e-6, told=told.append)
+    assert told
+    assert all(0 < t <= 0.1 for t in told)
+
+
+# --- what is really called
+
+
+COUNTER = """
+static long long ltcgear_calls[2];
+CASADI_SYMBOL_EXPORT long long ltcgear_called(int which) { return ltcgear_calls[which]; }
+"""
+
+
+def with_counters(text):
+    """The C text with a counter in `rhs` and in `jac_rhs`."""
+    for i, name in enumerate(("rhs", "jac_rhs")):
+        head = f"CASADI_SYMBOL_EXPORT int {name}(const casadi_real** arg, casadi_real** res, casadi_int* iw, "
+        head += "casadi_real* w, int mem){"
+        assert text.count(head) == 1
+        text = text.replace(head, (COUNTER if i == 0 else "") + head + f" ++ltcgear_calls[{i}];")
+    return text
+
+
+@pytest.fixture(scope="module")
+def counted():
+    """A case whose compiled functions count their calls, and how to read the counts."""
+    c = case("rig-2mw")
+    artifact = replace(c.library.artifact, c=with_counters(c.library.artifact.c))
+    path = store.library(artifact.c, store.compiler())
+    library = Library(artifact.manifest, path, external(path), artifact)
+    read = ctypes.CDLL(str(path)).ltcgear_called
+    read.restype, read.argtypes = ctypes.c_longlong, [ctypes.c_int]
+    return c, library, read
+
+
+@pytest.mark.parametrize("method", ["cvodes", "idas"])
+def test_the_compiled_functions_are_what_is_integrated(counted, method):
+    c, library, read = counted
+    before = [read(i) for i in range(2)]
+    path = integrate(library, c.p, c.at, t_end=0.05, rate=8192.0, method=method, rtol=1e-6)
+    rhs, jacobian = (read(i) - b for i, b in zip(range(2), before, strict=True))
+    assert path.status == "done"
+    assert 0.9 * path.counts.rhs <= rhs <= 1.5 * path.counts.rhs + 10 * path.counts.segments
+    assert 0.9 * path.counts.jacobian <= jacobian <= 1.5 * path.counts.jacobian + 10 * path.counts.segments
+
+
+@pytest.mark.parametrize("method", ["cvodes", "erk"])
+def test_without_a_compiler_the_virtual_machine_gives_the_same(monkeypatch, method):
+    c = case("lsp")
+    compiled = c.run(method=method)
+    monkeypatch.setattr(store, "compiler", lambda: None)
+    library = build(c.library.artifact)
+    assert library.engine == "CasADi virtual machine"
+    assert c.library.engine == "compiled C"
+    at = find_equilibrium(library, c.p)
+    path = integrate(library, c.p, at, t_end=0.1, rate=8192.0, method=method, rtol=1e-7)
+    assert path.status == "done"
+    one, two = c.mesh_forces(compiled), c.mesh_forces(path)
+    assert np.abs(one - two).max() < 1e-6 * np.abs(one).mean()
+
+
+def test_both_engines_evaluate_alike():
+    c = case("rig-2mw")
+    x = displaced(c, size=1e-5).x
+    levels = np.linspace(0, 1, len(c.library.manifest.levels))
+    for name, arguments in (("rhs", (x, levels, c.p)), ("outputs", (x, levels, c.p)), ("phases", (x, c.p))):
+        one = Kernel(c.library.functions[name])(*arguments)[0]
+        two = Kernel(c.library.graphs[name])(*arguments)[0]
+        assert np.abs(one - two).max() <= 1e-11 * np.abs(one).max()
