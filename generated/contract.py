@@ -59,7 +59,7 @@ class Manifest:
     Attributes
     ----------
     key
-        Content key of the C text.
+        Content key of the C text and the graphs.
     states, levels, parameters, reports
         Names in the order of x, s, p and y; parameters as (name, unit).
     reference
@@ -98,9 +98,9 @@ class Manifest:
     @classmethod
     def from_json(cls, text: str) -> "Manifest":
         """Read a manifest; ValueError or KeyError if it is not one of this format."""
-        raw: dict[str, Any] = json.loads(text)
-        if raw.get("format") != FORMAT:
-            raise ValueError(f"manifest format {raw.get('format')!r}, not {FORMAT}")
+        raw: Any = json.loads(text)
+        if not isinstance(raw, dict) or raw.get("format") != FORMAT:
+            raise ValueError(f"not a manifest of format {FORMAT}")
         functions = {
             name: Signature(
                 tuple((a[0], a[1], a[2]) for a in item["arguments"]),

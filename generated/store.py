@@ -1,5 +1,6 @@
 """The store: generated models and compiled libraries by content key, private to the user, put atomically."""
 
+import contextlib
 import hashlib
 import os
 import shutil
@@ -52,16 +53,19 @@ def digest(parts: Sequence[str]) -> str:
 
 
 def put_folder(target: Path, files: dict[str, str]) -> None:
-    """Write files into a new folder, which appears with all of them or not at all."""
+    """Write a folder, which appears with all files or not at all and takes the place of an older one."""
     target.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     draft = Path(tempfile.mkdtemp(dir=target.parent, prefix=".draft-"))
     try:
+        (draft / "new").mkdir()
         for name, text in files.items():
-            (draft / name).write_text(text, encoding="utf-8")
+            (draft / "new" / name).write_text(text, encoding="utf-8")
+        with contextlib.suppress(FileNotFoundError):
+            target.rename(draft / "replaced")
         try:
-            draft.rename(target)
+            (draft / "new").rename(target)
         except OSError:
-            if not target.is_dir():  # somebody else may have put the same content first
+            if not target.is_dir():  # somebody else may have put the same content in between
                 raise
     finally:
         shutil.rmtree(draft, ignore_errors=True)
@@ -101,15 +105,16 @@ def put(key: str, artifact: Artifact) -> None:
 def get(key: str) -> Artifact | None:
     """Return the generated model of a key, None where there is none (or a damaged one, which is removed)."""
     folder = model_folder(key)
+    artifact: Artifact | None
     try:
         c, manifest, graphs = ((folder / n).read_text("utf-8") for n in ("model.c", "manifest.json", "graphs.casadi"))
-        return Artifact(c, Manifest.from_json(manifest), graphs)
-    except FileNotFoundError:
+        artifact = Artifact(c, Manifest.from_json(manifest), graphs)
+    except (FileNotFoundError, ValueError, KeyError, TypeError):
+        artifact = None
+    if artifact is None or digest([c, graphs]) != artifact.manifest.key:
         shutil.rmtree(folder, ignore_errors=True)
         return None
-    except (ValueError, KeyError, TypeError):
-        shutil.rmtree(folder, ignore_errors=True)
-        return None
+    return artifact
 
 
 @dataclass(frozen=True)

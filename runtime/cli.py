@@ -1,6 +1,7 @@
 """The command line, the one place that knows all three parts: scene -> model -> C -> results."""
 
 import json
+import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -22,12 +23,7 @@ if TYPE_CHECKING:
 
     from .library import Library
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    help="Gearbox dynamics from written equations: scene to equations to C to simulation and eigenfrequencies.",
-)
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
 
 SceneName = Annotated[
     str, typer.Argument(metavar="SCENE", help="A shipped scene (see `ltcgear scenes`) or a TOML file.")
@@ -79,6 +75,7 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False)
 
     scene -> Model -> (derive -> check -> emit, or the store) -> Artifact
     """
+    from ltcgear.symbolic.advice import warnings
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import content_key, generate
     from ltcgear.symbolic.scene import load_scene
@@ -87,6 +84,8 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False)
     scene = load_scene(name, _changes(changes))
     model = build_model(scene)
     seconds = {"load": perf_counter() - clock}
+    for line in warnings(scene, model):
+        print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
     key = content_key(model)
     artifact = None if fresh else store.get(key)
     if artifact is None:
@@ -107,12 +106,39 @@ def compile_model(opened: Opened) -> "Library":
     return library
 
 
+def _finite(data: Any) -> Any:  # noqa: ANN401
+    """Replace numbers that JSON does not know by null."""
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
+
+
 def _print(as_json: bool, data: dict[str, Any], show: Callable[[dict[str, Any]], None]) -> None:
     """Print as JSON, or for people."""
     if as_json:
-        print(json.dumps(data, allow_nan=False))
+        print(json.dumps(_finite(data), allow_nan=False))
     else:
         show(data)
+
+
+def _version(wanted: bool) -> None:
+    """Print the version and stop."""
+    if wanted:
+        from importlib.metadata import version
+
+        print(f"ltcgear {version('ltcgear')}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """Gearbox dynamics from written equations: scenes to C to simulations and eigenfrequencies."""
 
 
 @app.command()

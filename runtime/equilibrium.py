@@ -95,7 +95,7 @@ def find_equilibrium(library: Library, p: Vector, levels: Vector | None = None) 
 
 
 def _force_scale(library: Library, p: Vector) -> float:
-    """Return a size of force to compare the residual with: stiffness times the size of a deflection."""
+    """Return the largest torque of the scene (at least 1), to compare forces out of balance with."""
     units = {"N*m": 1.0}
     torques = [abs(value) for (_, unit), value in zip(library.manifest.parameters, p, strict=True) if unit in units]
     return float(max([1.0, *torques]))
@@ -120,11 +120,11 @@ def _solve(library: Library, stiffness: Vector, force: Vector, mass: Vector) -> 
     root = np.sqrt(mass)
     scaled = stiffness / root[:, None] / root[None, :]
     left, singular, right = np.linalg.svd(scaled)
-    loose = singular < 1e-11 * singular[0]
+    loose = singular <= 1e-11 * singular[0]
     if loose.any():
-        drive = np.abs(left[:, loose].T @ (force / root))
-        if drive.max() > 1e-9 * np.linalg.norm(force / root):
-            raise SolverError(_unrestrained(library, np.abs(right[loose]).max(axis=0)))
+        push = left[:, loose].T @ (force / root)
+        if np.abs(push).max() > 1e-9 * np.linalg.norm(force / root):
+            raise SolverError(_unrestrained(library, np.abs(push @ right[loose])))
     inverse = np.where(loose, 0.0, 1.0 / np.where(loose, 1.0, singular))
     return np.asarray(right.T @ (inverse * (left.T @ (force / root))) / root)
 

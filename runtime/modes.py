@@ -67,12 +67,16 @@ def find_modes(library: Library, at: Equilibrium, p: Vector) -> list[Mode]:
 
 
 def _overdamped(library: Library, values: Vector, shapes: Vector, mass: Vector, top: float) -> list[Mode]:
-    """Join real eigenvalues two by two: omega^2 = l1 l2, zeta = -(l1 + l2) / 2 omega."""
-    real = [k for k in np.argsort(-np.abs(values)) if abs(values[k].imag) == 0 and abs(values[k]) > RIGID * top]
+    """Join the real eigenvalues whose shapes are alike: omega^2 = l1 l2, zeta = -(l1 + l2) / 2 omega."""
+    real = [k for k in np.argsort(-np.abs(values)) if values[k].imag == 0 and abs(values[k]) > RIGID * top]
+    unit = np.sqrt(mass)[:, None] * shapes.real
+    unit = unit / np.maximum(np.linalg.norm(unit, axis=0), 1e-300)
     modes = []
-    for one, two in zip(real[::2], real[1::2], strict=False):
-        product = float((values[one] * values[two]).real)
-        omega = float(np.sqrt(abs(product)))
+    while len(real) > 1:
+        one = real.pop(0)
+        two = max(real, key=lambda k: abs(float(unit[:, one] @ unit[:, k])))
+        real.remove(two)
+        omega = float(np.sqrt(abs((values[one] * values[two]).real)))
         damping = float(-(values[one] + values[two]).real / 2 / omega)
         kind, energy = _shape(library, shapes[:, two], mass)
         modes.append(Mode(omega / (2 * np.pi), damping, kind, energy))

@@ -95,13 +95,11 @@ def paper_verdicts(data: Data) -> None:
 
 def generated(data: Data) -> None:
     """Print what was generated."""
-    table = _table("Generated", "", "")
     for file in data["files"]:
-        table.add_row("file", escape(file))
-    table.add_row("library", escape(data["library"] or "none: CasADi's virtual machine"))
-    table.add_row("operations", ", ".join(f"{name} {count}" for name, count in data["ops"].items()))
-    table.add_row("seconds", _seconds(data["seconds"]))
-    _console().print(table)
+        print(file)
+    print(data["library"] or "no library: CasADi's virtual machine")
+    print("operations: " + ", ".join(f"{name} {count}" for name, count in data["ops"].items()))
+    print("seconds: " + _seconds(data["seconds"]))
 
 
 def _seconds(seconds: dict[str, float]) -> str:
@@ -118,6 +116,8 @@ def simulated(data: Data) -> None:
             row = (f"{force[key]:.5g}" for key in ("mean", "min", "max"))
             table.add_row(name, *row, f"{force['load_factor']:.3f}")
         console.print(table)
+    for line in data["warnings"]:
+        console.print(f"[yellow]warning[/]: {escape(line)}")
     counts = data["counts"]
     console.print(
         f"{data['method']} on {data['engine']}, rtol {data['rtol']:g}: {data['simulated_s']:.6g} s simulated, "

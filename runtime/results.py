@@ -161,8 +161,10 @@ def check_target(path: Path) -> None:
         raise LtcgearError(f"{path}: the folder {folder} does not exist; make it first")
     if path.is_dir():
         raise LtcgearError(f"{path}: is a folder; give a file name")
-    if not os.access(folder, os.W_OK):
-        raise LtcgearError(f"{path}: the folder {folder} cannot be written")
+    try:
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise LtcgearError(f"{path}: the folder {folder} cannot be written: {error.strerror}") from error
 
 
 def make_folder(path: Path) -> None:

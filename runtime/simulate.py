@@ -1,5 +1,6 @@
 """The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
 
+import os
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -34,6 +35,20 @@ def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
         raise LtcgearError(f"--rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
         raise LtcgearError(f"--t-end {t_end:g}: must be a time in seconds greater than zero")
+
+
+def _check_size(library: Library, samples: float) -> None:
+    """Refuse a run of less than one sample, or of more than the memory holds."""
+    if samples < 0.5:
+        raise LtcgearError("--t-end is shorter than one sample; simulate longer or raise simulation.rate")
+    manifest = library.manifest
+    need = samples * 8 * (len(manifest.states) + len(manifest.levels) + len(manifest.reports))
+    have = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    if need > 0.8 * have:
+        raise LtcgearError(
+            f"the run would take {need / 1e9:.0f} GB of {have / 1e9:.0f} GB memory; "
+            "lower --t-end, simulation.rate or --oversample"
+        )
 
 
 @dataclass(frozen=True)
@@ -80,6 +95,7 @@ def simulate(
     SolverError
         If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
     """
+    _check_size(library, t_end * rate * oversample)
     p = library.parameters(values)
     clock = perf_counter()
     at = find_equilibrium(library, p)
@@ -103,7 +119,14 @@ def simulate(
     about = {"ltcgear": versions["ltcgear"], "versions": versions, **(attributes or {}), **summary}
     dataset = make_dataset(library, p, path, about, oversample)
     seconds["outputs"] = perf_counter() - clock
-    return Result(dataset, summary | {"seconds": seconds, "forces": _forces(dataset)})
+    forces = _forces(dataset)
+    return Result(dataset, summary | {"seconds": seconds, "forces": forces, "warnings": _pulling(forces)})
+
+
+def _pulling(forces: dict[str, Any]) -> list[str]:
+    """Say which meshes pull: their teeth would part, which a bilateral mesh does not know."""
+    meshes = [name for name, force in forces.items() if force["min"] < 0 < force["max"]]
+    return [f"{name}: the mesh force changes its sign, so teeth would part; the mesh is bilateral" for name in meshes]
 
 
 def _forces(dataset: "xr.Dataset") -> dict[str, Any]:

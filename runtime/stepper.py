@@ -8,7 +8,7 @@ right-hand side and Jacobian; ``erk`` and ``rosenbrock`` are emitted and compile
 import ctypes
 import re
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -253,31 +253,3 @@ class _WholeStepper(_Base):
         self.counts.rhs += rhs
         self.counts.jacobian += jacobian
         self.counts.rejected += rejected
-
-
-@dataclass(frozen=True)
-class Nodes:
-    """Output nodes of a segment and how to read any time between them.
-
-    Chebyshev-Lobatto points in 0..1; barycentric interpolation through them (Berrut and Trefethen 2004).
-    """
-
-    count: int
-    points: Vector = field(init=False)
-    weights: Vector = field(init=False)
-
-    def __post_init__(self) -> None:
-        k = np.arange(self.count + 1)
-        weights = np.where(k % 2 == 0, 1.0, -1.0)
-        weights[[0, -1]] /= 2
-        object.__setattr__(self, "points", (1 - np.cos(np.pi * k / self.count)) / 2)
-        object.__setattr__(self, "weights", weights)
-
-    def matrix(self, times: Vector) -> Vector:
-        """Return the matrix that takes values at the points to values at ``times``, shape (len, count + 1)."""
-        gap = times[:, None] - self.points[None, :]
-        hit = np.abs(gap) < 1e-14
-        terms = self.weights / np.where(hit, 1.0, gap)
-        terms[hit.any(axis=1)] = 0.0
-        terms[hit] = 1.0
-        return np.asarray(terms / terms.sum(axis=1, keepdims=True))

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 Cells = NDArray[np.int64]
 
+
 AT_BORDER = 1e-9
-"""How close to a border [cycles] counts as being there: about a micrometre of rolling in a thousand turns."""
+"""How close to a border [cycles] counts as being there."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +26,18 @@ class Phases:
     share: Vector
 
 
+def at_border(phases: Phases) -> Vector:
+    """Return how close to a border [cycles] counts as being there: a billionth of a pitch, or rounding."""
+    return np.asarray(AT_BORDER + 16 * np.finfo(float).eps * np.abs(phases.tau))
+
+
 def cells_of(phases: Phases) -> Cells:
     """Return each phase's cell; at a border, the cell it is entering."""
-    whole = np.floor(phases.tau + AT_BORDER)
+    near = at_border(phases)
+    whole = np.floor(phases.tau + near)
     part = phases.tau - whole
-    cells = (2 * whole + (part >= phases.share - AT_BORDER)).astype(np.int64)
-    leaving = (phases.rate < 0) & (np.abs(phases.tau - lower(cells, phases.share)) <= AT_BORDER)
+    cells = (2 * whole + (part >= phases.share - near)).astype(np.int64)
+    leaving = (phases.rate < 0) & (np.abs(phases.tau - lower(cells, phases.share)) <= near)
     return np.asarray(cells - leaving)
 
 
@@ -58,14 +65,19 @@ def time_to_border(cells: Cells, phases: Phases) -> float:
     return max(float((ahead[moving] / phases.rate[moving]).min()), 0.0)
 
 
-def crossed(cells: Cells, phases: Phases) -> tuple[Cells, float]:
-    """Return the cells after a step, and by how much [cycles] the worst phase has passed its border.
+def crossed(cells: Cells, before: Phases, after: Phases) -> tuple[Cells, float]:
+    """Return the cells after a step, and the part of the step in which the first border is reached.
 
-    All phases that stand at a border together (planets in phase) switch together.
+    The part is 1 unless a phase has gone beyond its border, by linear interpolation then. All phases
+    that stand at a border together (planets in phase) switch together.
     """
-    over = phases.tau - upper(cells, phases.share)
-    under = lower(cells, phases.share) - phases.tau
-    step = ((over >= -AT_BORDER) & (phases.rate > 0)).astype(np.int64)
-    step -= ((under >= -AT_BORDER) & (phases.rate < 0)).astype(np.int64)
-    beyond = float(max(over.max(initial=0.0), under.max(initial=0.0)))
-    return cells + step, beyond
+    near = at_border(after)
+    top, bottom = upper(cells, after.share), lower(cells, after.share)
+    step = ((after.tau >= top - near) & (after.rate > 0)).astype(np.int64)
+    step -= ((after.tau <= bottom + near) & (after.rate < 0)).astype(np.int64)
+    beyond = (after.tau > top + near) | (after.tau < bottom - near)
+    if not beyond.any():
+        return cells + step, 1.0
+    border = np.where(after.tau > top, top, bottom)[beyond]
+    start, end = before.tau[beyond], after.tau[beyond]
+    return cells, float(np.clip((border - start) / (end - start), 0.01, 0.999999999).min())

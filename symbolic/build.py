@@ -273,7 +273,7 @@ def _mesh(
     law = draft.scene.effects["mesh_law"]
     geometry = gears.mesh_geometry(stage, *wheels, sigma)
     switched = mesh.double_factor is not None and draft.scene.effects["mesh_stiffness"] == "two-level"
-    force = draft.statics[name.split(".")[0]]
+    force = draft.statics[name]
     sign = {"auto": -1.0 if force < 0 else 1.0, "printed": 1.0, "opposite": -1.0}[mesh.flank]
     bind = {
         "r_1": draft.number(f"{name}.base_radius_1", geometry.r1, "m"),

@@ -55,13 +55,14 @@ def emit(model: Model, equations: Equations) -> Artifact:
     """
     made = functions(equations)
     c = _c_text(list(made.values()))
-    manifest = Manifest(
-        digest([c]), model.reference, equations.states, equations.levels, equations.parameters, equations.reports,
-        {name: _signature(function) for name, function in made.items()}, ca.CasadiMeta.version(),
-    )  # fmt: skip
     serializer = ca.StringSerializer()
     serializer.pack(list(made.values()))
-    return Artifact(c, manifest, serializer.encode())
+    graphs = serializer.encode()
+    manifest = Manifest(
+        digest([c, graphs]), model.reference, equations.states, equations.levels, equations.parameters,
+        equations.reports, {name: _signature(function) for name, function in made.items()}, ca.CasadiMeta.version(),
+    )  # fmt: skip
+    return Artifact(c, manifest, graphs)
 
 
 def _c_text(made: list[ca.Function]) -> str:

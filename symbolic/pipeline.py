@@ -14,10 +14,11 @@ from .model import Model
 
 @cache
 def _sources() -> str:
-    """Return the text of everything that decides what is derived from a model's structure."""
+    """Return the text of everything that decides what is derived from a structure, and whether it may be emitted."""
     here = Path(__file__).parent
     names = ["equations.py", "emit.py", "lower.py", "lagrange.py", "frames.py", "model.py"]
-    paths = [here / name for name in names] + sorted((here / "elements").glob("*.py"))
+    paths = [here / name for name in names]
+    paths += [path for folder in ("elements", "checks") for path in sorted((here / folder).glob("*.py"))]
     return "\n".join(path.read_text("utf-8") for path in paths)
 
 

@@ -24,6 +24,7 @@ REASONS = {
     "missing": "is missing",
     "string_pattern_mismatch": "names are small letters, digits and _, beginning with a letter",
     "string_type": "must be text in quotes, {given}",
+    "string_unicode": "must be text in UTF-8",
     "string_too_short": "must not be empty",
     "string_too_long": "must have {max_length} characters at most",
     "int_type": "must be a whole number without quotes, {given}",
@@ -106,7 +107,7 @@ def _freeze(plain: Raw, name: str, sources: dict[str, str], label: str, faults: 
     try:
         scene = Scene.model_validate({**plain, "name": name, "sources": sources})
     except ValidationError as error:
-        told = {fault.split(":")[0] for fault in faults}
+        told = {fault.split(":")[0] for fault in faults if ": value is missing;" in fault}
         found = [line for item in error.errors() for line in _explain(item)]
         faults += [line for line in found if line.split(":")[0] + ".source" not in told]
         faults += validate_parts(plain)
@@ -169,26 +170,21 @@ def _split_sources(node: Any, path: tuple[str, ...], sources: dict[str, str], fa
         key = ".".join(path)
         if set(node) != {"value", "source"}:
             extra = ", ".join(sorted(set(node) - {"value", "source"}))
-            what = f"{extra} does not belong here" if extra else "one of the two is missing"
+            absent = "value" if "value" not in node else "source"
+            what = f"{extra} does not belong here" if extra else f"{absent} is missing"
             faults.append(f'{key}.source: {what}; write {{ value = ..., source = "printed: where" }}')
             return node.get("value")
         if not isinstance(node["source"], str) or SOURCE.fullmatch(node["source"]) is None:
-            faults.append(
-                f'{key}.source: {node["source"]!r:.60} must begin with "printed: ", "derived: ", "assumed: " or "fitted: "'
-            )
+            labels = '"printed: ", "derived: ", "assumed: " or "fitted: "'
+            faults.append(f"{key}.source: {node['source']!r:.60} must begin with {labels}")
         else:
             sources[key] = node["source"]
         return node["value"]
     return {key: _split_sources(value, (*path, key), sources, faults) for key, value in node.items()}
 
 
-def _tables() -> list[type[BaseModel]]:
-    """Return every table model of the schema."""
-    return [t for t in vars(schema).values() if isinstance(t, type) and issubclass(t, schema.Table)]
-
-
-def _fields_at(path: tuple[str | int, ...]) -> list[str]:
-    """Return the keys that the table at ``path`` may hold."""
+def _fields_at(path: tuple[str | int, ...], kind: str) -> list[str]:
+    """Return the keys that the table at ``path``, in a stage of that kind, may hold."""
     here: list[type[BaseModel]] = [Scene]
     for part in path:
         nested = [
@@ -196,7 +192,7 @@ def _fields_at(path: tuple[str | int, ...]) -> list[str]:
             for table in here
             for model in _models(table.model_fields[str(part)].annotation if part in table.model_fields else None)
         ]
-        here = nested or here
+        here = [model for model in nested if model.__name__.lower() == kind] or nested or here
     return sorted({key for table in here for key in table.model_fields} - {"name", "sources"})
 
 
@@ -209,20 +205,20 @@ def _models(annotation: object) -> list[type[BaseModel]]:
 
 def _explain(item: Any) -> list[str]:  # noqa: ANN401
     """Turn one pydantic error into lines of: key, reason, cure."""
-    location = list(item["loc"])
-    if len(location) > 2 and location[0] == "stages":
-        del location[2]  # the kind of the stage, which pydantic puts behind its name
+    location, kind = list(item["loc"]), ""
+    if len(location) > 2 and location[0] == "stages" and location[2] != "[key]":
+        kind = location.pop(2)  # pydantic puts it behind the stage's name
     location = [part for part in location if part != "[key]"]
     key = ".".join(str(part) for part in location)
     if item["type"] == "value_error":
         lines = str(item["ctx"]["error"]).split("\n")
         return [f"{key}{line}" if line.startswith(".") else f"{key}: {line}" for line in lines]
     if item["type"] == "extra_forbidden":
-        known = _fields_at(tuple(location[:-1]))
+        known = _fields_at(tuple(location[:-1]), kind)
         return [f"{key}: unknown key; {schema.suggest(location[-1], known, 'known keys')}"]
     if item["type"] in ("union_tag_not_found", "union_tag_invalid"):
-        kind = item["input"].get("kind") if isinstance(item["input"], dict) else None
-        what = f"{kind!r:.60} is no kind of stage" if kind is not None else "is missing"
+        given = item["input"].get("kind") if isinstance(item["input"], dict) else None
+        what = f"{given!r:.60} is no kind of stage" if given is not None else "is missing"
         return [f'{key}.kind: {what}; write kind = "planetary" or kind = "pair"']
     return [f"{key}: {_reason(item)}"]
 

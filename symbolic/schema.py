@@ -281,7 +281,7 @@ class Simulation(Table):
     def faults(self) -> Iterator[str]:
         """Check that the result fits a computer."""
         if self.t_end * self.rate > SAMPLES:
-            yield f".rate: t_end times rate are {self.t_end * self.rate:.2g} samples, more than {SAMPLES:.0e}; lower one"
+            yield f".rate: t_end times rate are {self.t_end * self.rate:.2g} samples, above {SAMPLES:.0e}; lower one"
 
 
 def _effects(chosen: object) -> dict[str, str]:

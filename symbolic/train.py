@@ -3,6 +3,7 @@
 Both are linear systems over the members that turn; planets of a stage move alike here.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -130,32 +131,17 @@ def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, 
 
 
 def static_forces(scene: Scene, rigid: Motion) -> dict[str, float]:
-    """Return the signed normal force [N] per mesh of every stage, lossless, on the printed flank."""
-    forces, _ = _statics(scene, rigid)
-    return {name: float(forces[i]) for i, name in enumerate(scene.stages)}
+    """Return the signed normal force [N] in one mesh of each kind, lossless, on the printed flank.
 
-
-def balance_faults(scene: Scene, rigid: Motion) -> list[str]:
-    """Say on which members torques are left that no mesh, coupling or held member takes."""
-    _, left = _statics(scene, rigid)
-    size = max((abs(load.torque or 0.0) for load in scene.loads.values()), default=0.0)
-    loose = [name for name, torque in left.items() if abs(torque) > 1e-6 * size]
-    if not loose:
-        return []
-    cure = "give initial_speed to a torque, hold a speed, or fix a member" if rigid.mode == "rest" else "hold a speed"
-    return [f"loads: nothing takes the torques that act on {', '.join(loose)}; {cure}"]
-
-
-def _statics(scene: Scene, rigid: Motion) -> tuple[Vector, dict[str, float]]:
-    """Return the unknowns of the static balance, mesh forces [N] first, and the torques [N m] left over.
-
-    Unknowns are the mesh forces, the coupling torques, the reactions of held members and, where
-    nothing holds the speed, the acceleration of the reference; they solve in the least-squares sense.
+    Unknowns are the mesh forces, the coupling torques, the reactions of held members and, where nothing
+    holds the speed, the acceleration of the reference (which the inertias resist); they solve in the
+    least-squares sense. The keys are ``stage.mesh``.
     """
     everyone = members(scene)
-    names = [name for name in everyone if not name.endswith(".planet")]
+    names = list(everyone)
     column = {name: i for i, name in enumerate(names)}
-    columns = [_stage_column(name, stage, column) for name, stage in scene.stages.items()]
+    meshes = {key: row for name, stage in scene.stages.items() for key, row in _mesh_torques(name, stage, column)}
+    columns = list(meshes.values())
     for coupling in scene.couplings.values():
         pair = np.zeros(len(names))
         pair[column[coupling.between[0]]], pair[column[coupling.between[1]]] = -1.0, 1.0
@@ -165,74 +151,43 @@ def _statics(scene: Scene, rigid: Motion) -> tuple[Vector, dict[str, float]]:
         if is_fixed(everyone[name]) or everyone[name].torsional_support or name in driven:
             columns.append(np.eye(len(names))[column[name]])
     if rigid.mode == "torque":
-        columns.append(np.array([-inertia_of(everyone[n])[1] * rigid.ratios[n] for n in names]))
+        columns.append(np.array([-_train_inertia(scene, name) * rigid.ratios[name] for name in names]))
     load = np.zeros(len(names))
     for item in scene.loads.values():
         load[column[item.member]] += item.torque or 0.0
-    if not columns:
-        return np.zeros(0), dict(zip(names, load.tolist(), strict=True))
-    matrix = np.array(columns).T
-    forces = np.linalg.lstsq(matrix, -load, rcond=None)[0]
-    return forces, dict(zip(names, (matrix @ forces + load).tolist(), strict=True))
+    forces = np.linalg.lstsq(np.array(columns).T, -load, rcond=None)[0] if columns else np.zeros(0)
+    return {key: float(forces[i]) for i, key in enumerate(meshes)}
 
 
-def _stage_column(name: str, stage: Planetary | Pair, column: dict[str, int]) -> Vector:
-    """Return the torques on all members by one newton in each mesh of a stage, on the printed flank."""
-    torques = np.zeros(len(column))
-    if isinstance(stage, Planetary):
-        sun, ring = gears.base_radius(stage, stage.sun), gears.base_radius(stage, stage.ring)
-        torques[column[f"{name}.sun"]] = -stage.planets * sun
-        torques[column[f"{name}.ring"]] = -stage.planets * ring
-        torques[column[f"{name}.carrier"]] = stage.planets * (sun + ring)
-    else:
-        torques[column[f"{name}.input"]] = -gears.base_radius(stage, stage.input)
-        torques[column[f"{name}.output"]] = -gears.base_radius(stage, stage.output)
-    return torques
+def _train_inertia(scene: Scene, name: str) -> float:
+    """Return what resists a member's acceleration [kg m^2]: all planets together, and their orbit on the carrier."""
+    stage = scene.stages.get(name.split(".")[0])
+    own = inertia_of(members(scene)[name])[1]
+    if not isinstance(stage, Planetary):
+        return own
+    if name.endswith(".planet"):
+        return stage.planets * own
+    orbit = stage.planets * inertia_of(stage.planet)[0] * gears.stage_distance(stage) ** 2
+    return own + orbit if name.endswith(".carrier") else own
 
 
-def loose_sideways(stage: Planetary | Pair) -> list[str]:
-    """Return the floating members that the meshes and pins of a stage leave free to move sideways.
+def _mesh_torques(name: str, stage: Planetary | Pair, column: dict[str, int]) -> Iterator[tuple[str, Vector]]:
+    """Yield, per mesh, the torques on all members by one newton in each such mesh, on the printed flank.
 
-    One row a spring (mesh or pin), one column a freedom: floating members and planets in the plane, and
-    the turning that the meshes tie (two central members held: a stage has two freedoms to turn).
+    The carrier takes by its pins what keeps the torques of a mesh in balance.
     """
-    floating = [part for part in _central(stage) if getattr(stage, part).support == "floating"]
-    rows = _springs(stage)
-    columns = [(part, axis) for part in floating for axis in "xy"]
-    columns += sorted({key for row in rows for key in row if key[0].isdigit() or key == _turning_part(stage)})
-    matrix = np.array([[row.get(key, 0.0) for key in columns] for row in rows])
-    _, sizes, modes = np.linalg.svd(matrix)
-    free = modes[int((sizes > 1e-6).sum()) :]
-    share = np.abs(free).max(axis=0, initial=0.0)
-    return [part for part in floating if any(share[columns.index((part, axis))] > 1e-6 for axis in "xy")]
 
+    def torques(**terms: float) -> Vector:
+        row = np.zeros(len(column))
+        for part, value in terms.items():
+            row[column[f"{name}.{part}"]] = value
+        return row
 
-def _central(stage: Planetary | Pair) -> tuple[str, ...]:
-    """Return the members of a stage that are not planets."""
-    return ("ring", "sun", "carrier") if isinstance(stage, Planetary) else ("input", "output")
-
-
-def _turning_part(stage: Planetary | Pair) -> tuple[str, str]:
-    """Return the one turning of a central member that stays when the others are held."""
-    return ("sun", "turn") if isinstance(stage, Planetary) else ("output", "turn")
-
-
-def _springs(stage: Planetary | Pair) -> list[dict[tuple[str, str], float]]:
-    """Return for each spring its stretch by unit motions; turning is counted at the base circle."""
     if isinstance(stage, Pair):
-        alpha = gears.mesh_geometry(stage, stage.input, stage.output, 1).alpha
-        x, y = np.cos(stage.line_of_centres + np.pi / 2 - alpha), np.sin(stage.line_of_centres + np.pi / 2 - alpha)
-        return [
-            {("input", "x"): -x, ("input", "y"): -y, ("output", "x"): x, ("output", "y"): y, ("output", "turn"): 1.0}
-        ]
-    rows: list[dict[tuple[str, str], float]] = []
-    meshes = (("sun", stage.sun, 1), ("ring", stage.ring, -1))
-    for i, angle in enumerate(planet_angles(stage), start=1):
-        rows += [{(f"{i}", axis): 1.0, ("carrier", axis): -1.0} for axis in "xy"]
-        for part, gear, sigma in meshes:
-            alpha = gears.mesh_geometry(stage, gear, stage.planet, sigma).alpha
-            line = stage.line_of_centres + angle + np.pi / 2 - sigma * alpha
-            x, y = float(np.cos(line)), float(np.sin(line))
-            row = {(f"{i}", "x"): x, (f"{i}", "y"): y, (part, "x"): -x, (part, "y"): -y}
-            rows.append(row | {(f"{i}", "turn"): -float(sigma), (part, "turn"): -1.0})
-    return rows
+        one, two = gears.base_radius(stage, stage.input), gears.base_radius(stage, stage.output)
+        yield f"{name}.mesh", torques(input=-one, output=-two)
+        return
+    count = stage.planets
+    sun, ring, planet = (gears.base_radius(stage, gear) for gear in (stage.sun, stage.ring, stage.planet))
+    yield f"{name}.sun_planet", torques(sun=-count * sun, planet=-count * planet, carrier=count * (sun + planet))
+    yield f"{name}.ring_planet", torques(ring=-count * ring, planet=count * planet, carrier=count * (ring - planet))

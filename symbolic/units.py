@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(.*?)\s*", re.DOTALL)
 _POWER = r"[A-Za-zµ°%]+(?:\s*(?:\^|\*\*)\s*-?[0-9])?"
-UNIT = re.compile(rf"{_POWER}(?:\s*[*/·]\s*{_POWER})*")
+UNIT = re.compile(rf"(?:1\s*/\s*)?{_POWER}(?:\s*[*/·]\s*{_POWER})*")
 # Beyond these no gearbox lies, and products of a few quantities stay finite.
 SMALLEST, LARGEST = 1e-30, 1e30
 DEFINITIONS = """

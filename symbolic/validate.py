@@ -26,11 +26,7 @@ def validate(scene: Scene) -> list[str]:
         faults += _stage(name, stage)
     if not scene.stages and not scene.rotors:
         faults.append("stages: the scene has no member; add a stage or a rotor")
-    faults = faults or [*_loads(scene)]
-    if not faults:
-        rigid, faults = train.motion(scene)
-        faults = faults or train.balance_faults(scene, rigid)
-    return faults
+    return faults or [*_loads(scene)] or train.motion(scene)[1]
 
 
 def validate_parts(plain: Mapping[str, Any]) -> list[str]:
@@ -102,6 +98,10 @@ def _loads(scene: Scene) -> Iterator[str]:
     for key, load in scene.loads.items():
         if (load.speed or load.initial_speed) and everyone[load.member].torsional_support is not None:
             yield f"loads.{key}: {load.member} has a torsional_support and cannot turn; drop the support or the speed"
+    for name, stage in scene.stages.items():
+        for part in ("input", "output") if isinstance(stage, Pair) and scene.loads else ():
+            if getattr(stage, part).support == "floating":
+                yield f"stages.{name}.{part}: nothing holds a floating gear of a pair under load; give it a bearing"
 
 
 def _effects(scene: Scene) -> Iterator[str]:
@@ -130,8 +130,8 @@ def _stage(name: str, stage: Planetary | Pair) -> Iterator[str]:
         for mesh_name, mesh, one, two, sigma in meshes(stage):
             faults += _mesh(f"{key}.{mesh_name}", stage, mesh, one, two, sigma)
         if isinstance(stage, Planetary):
+            faults += _support(key, stage)
             faults += [*_assembly(key, stage), *(_room(key, stage) if not faults else ())]
-    faults = faults or list(_support(key, stage))
     yield from faults
 
 
@@ -270,9 +270,7 @@ def _assembly(key: str, stage: Planetary) -> Iterator[str]:
             yield f'{key}.planet_angles.{i}: no teeth meet here; the nearest place is "{near:.9g} deg"'
 
 
-def _support(key: str, stage: Planetary | Pair) -> Iterator[str]:
-    """Check that something holds every member sideways."""
-    loose = train.loose_sideways(stage)
-    if loose:
-        names = " and ".join(loose)
-        yield f'{key}: nothing holds {names} sideways; give one support = "bearing" (or "rigid") instead of "floating"'
+def _support(key: str, stage: Planetary) -> Iterator[str]:
+    """Check that something holds the stage sideways."""
+    if stage.sun.support == stage.ring.support == stage.carrier.support == "floating":
+        yield f"{key}: sun, ring and carrier all float, so nothing holds the stage; give one of them a bearing"

@@ -83,7 +83,7 @@ def nominal_identity(label: str, element: Element) -> Check:
 
 def first_order(label: str, element: Element, instance: Instance, model: Model) -> Check:
     """Measure how far the paper's law is from its energy under load, and that this shrinks linearly."""
-    load = model.statics[instance.name.split(".")[0]]
+    load = model.statics[".".join(instance.name.split(".")[:2])]
     values = bound_values(instance, model)
     stiffness = values.get("k", values.get("k_1", 1.0))
     size = abs(load) / stiffness or 1e-4 * values["d_0"]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from ltcgear.generated import store
+
 from regenerate import COMMITTED, HOME, texts
 
 ROOT = Path(__file__).parents[2]
@@ -21,11 +22,11 @@ def test_committed_files_are_up_to_date(scene: str) -> None:
 
 @pytest.mark.parametrize("seed", ["1", "4711"])
 def test_the_hash_seed_changes_nothing(seed: str) -> None:
-    code = "import hashlib; from regenerate import texts; print(hashlib.sha256(''.join(texts('lin-parker-3').values()).encode()).hexdigest())"
+    code = "from regenerate import store, texts; print(store.digest(list(texts('lin-parker-3').values())))"
     environment = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT / "tests")}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    committed = "".join((HOME / "lin_parker_3" / name).read_text("utf-8") for name in ("model.c", "manifest.json"))
-    assert run.stdout.strip() == store.hashlib.sha256(committed.encode()).hexdigest()
+    committed = [(HOME / "lin_parker_3" / name).read_text("utf-8") for name in ("model.c", "manifest.json")]
+    assert run.stdout.strip() == store.digest(committed)
 
 
 @pytest.mark.parametrize("folder", COMMITTED.values())
@@ -35,7 +36,9 @@ def test_committed_c_compiles_without_a_warning(folder: str, tmp_path: Path) -> 
         pytest.skip("no C compiler here")
     command = [compiler.path, "-std=c11", "-O0", "-fPIC", "-shared", "-Wall", "-Werror"]
     run = subprocess.run(
-        [*command, str(HOME / folder / "model.c"), "-o", str(tmp_path / "model.so"), "-lm"], capture_output=True, text=True
+        [*command, str(HOME / folder / "model.c"), "-o", str(tmp_path / "model.so"), "-lm"],
+        capture_output=True,
+        text=True,
     )
     assert run.returncode == 0, run.stderr
 

@@ -43,6 +43,7 @@ class Train:
         self.torque = np.array([0, 0, scene.loads["output"].torque])
         self.rate = stage.input.teeth * scene.loads["input"].speed / (2 * np.pi)
         self.share = self.mesh.share
+        self.solved = {}
 
     @staticmethod
     def _spring(coupling, inertia):
@@ -76,6 +77,12 @@ class Train:
 
     def solve(self, times):
         """Exact deviations and rates, shape (times, 6), from the equilibrium on."""
+        key = (len(times), times[-1])
+        if key not in self.solved:
+            self.solved[key] = self._solve(times)
+        return self.solved[key]
+
+    def _solve(self, times):
         starts, levels = self.switchings(times[-1])
         y, out = np.array([*self.equilibrium(), 0, 0, 0, 1.0]), np.empty((len(times), 6))
         for start, end, level in zip(starts, [*starts[1:], np.inf], levels, strict=False):

@@ -373,7 +373,10 @@ class HandModel:
             out.add(name, F)
         if member.torsional_support is not None:
             T = hand.support(
-                member.torsional_support.stiffness, self._damping(member.torsional_support, inertia), motion.th, motion.w
+                member.torsional_support.stiffness,
+                self._damping(member.torsional_support, inertia),
+                motion.th,
+                motion.w,
             )
             out.outputs["support_torque", name] = T
             out.add(name, torque=T)

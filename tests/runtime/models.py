@@ -59,8 +59,9 @@ class Case:
 
     def run(self, **options: Any) -> Trajectory:
         """Integrate from the equilibrium, or from another start given as ``at``."""
-        options = {"at": self.at, "t_end": 0.1, "rate": 8192.0, "method": "cvodes", "rtol": 1e-7} | options
-        return integrate(self.library, self.p, **options)
+        at = options.pop("at", None) or self.at
+        options = {"t_end": 0.1, "rate": 8192.0, "method": "cvodes", "rtol": 1e-7} | options
+        return integrate(self.library, self.p, at, **options)
 
 
 def raw_scene(name: str, *settings: str) -> dict[str, Any]:

@@ -12,12 +12,14 @@ from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium, mean_leve
 from ltcgear.runtime.integrate import integrate
 from ltcgear.runtime.kernel import Kernel, over_time
 from ltcgear.runtime.library import Library, build, external
+from ltcgear.runtime.nodes import Chebyshev, Uniform
 from ltcgear.runtime.results import energy_residual
-from ltcgear.runtime.stepper import METHODS, Nodes
+from ltcgear.runtime.stepper import METHODS
 from scipy.linalg import expm
 
 from . import exact
-from .models import case, run
+from .models import TORQUE_DRIVEN, case, run
+from .variants import BEARING_FRICTION, FRICTION, GRAVITY
 
 
 def residual(c, path, at=None):
@@ -71,6 +73,43 @@ def test_energy_is_accounted_for(method):
     assert abs(path.jump_energy) > 1e-4 * abs(path.work) or path.counts.events == 0
 
 
+def test_methods_agree_on_a_torque_driven_train():
+    c = case("rig-2mw", *TORQUE_DRIVEN)
+    one, two = (run("rig-2mw", *TORQUE_DRIVEN, method=method) for method in ("erk", "cvodes"))
+    assert one.status == two.status == "done"
+    assert force_error(c, one, two) < 1e-4
+    assert max(residual(c, one), residual(c, two)) < 1e-5
+
+
+def test_energy_is_accounted_for_with_friction_and_weight():
+    settings = (*FRICTION, *BEARING_FRICTION, GRAVITY)
+    c, path = case("rig-2mw", *settings), run("rig-2mw", *settings, method="erk")
+    assert path.status == "done"
+    assert residual(c, path) < 1e-5
+    balance = over_time(c.library.functions["energy"], [path.x, path.levels, c.p])
+    assert (balance[:, 3] > 0).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_rerun_is_the_same_to_the_last_bit(method):
+    one, two = (case("psh").run(method=method, rtol=1e-5, t_end=0.05) for _ in range(2))
+    assert (one.x == two.x).all()
+    assert one.counts == two.counts
+
+
+def test_a_restart_goes_on_as_if_nothing_had_been():
+    c = case("psh")
+    whole = c.run(method="erk", rtol=1e-8, t_end=0.1, rate=8000.0)
+    middle = Equilibrium(whole.x[400], c.at.levels, 0.0, 0)
+    rest = c.run(at=middle, method="erk", rtol=1e-8, t_end=0.05, rate=8000.0)
+    same = (rest.levels == whole.levels[400:]).all(axis=1)
+    assert same.mean() > 0.99
+    difference = np.abs(c.mesh_forces(rest) - c.mesh_forces(whole)[400:])[same]
+    assert difference.max() < 1e-5 * np.abs(c.mesh_forces(whole)).mean()
+    phase = whole.x[-1, c.state("reference.angle")] - rest.x[-1, c.state("reference.angle")]
+    assert abs(phase) < 1e-12 * abs(whole.x[-1, c.state("reference.angle")])
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_a_run_is_counted(method):
     counts = run("rig-2mw", method=method).counts
@@ -116,8 +155,8 @@ def test_the_equilibrium_of_the_exact_train(train):
 @pytest.mark.parametrize("method", METHODS)
 def test_the_exact_solution_is_met_at_every_sample(train, method):
     c, by_hand = train
-    # 50 kHz: samples lie everywhere between the Chebyshev nodes of a segment.
-    path = c.run(method=method, rtol=1e-8, rate=50e3, t_end=0.05)
+    # 30 kHz: samples lie everywhere between the Chebyshev nodes of a segment.
+    path = c.run(method=method, rtol=1e-8, rate=30e3, t_end=0.05)
     assert path.status == "done"
     assert path.counts.events > 50
     force, twist = exact_error(c, by_hand, path)
@@ -154,14 +193,35 @@ def test_more_samples_change_no_sample():
     assert np.abs(one - two)[same].max() < 1e-6 * np.abs(one).mean()
 
 
-@pytest.mark.parametrize(("count", "allowed"), [(12, 5e-6), (24, 1e-8)])
-def test_nodes_interpolate_a_cosine(count, allowed):
-    nodes = Nodes(count)
+@pytest.mark.parametrize(("count", "turn"), [(16, 8.0), (24, 16.0)])
+def test_nodes_interpolate_a_cosine(count, turn):
+    nodes = Chebyshev(count)
     times = np.linspace(0, 1, 997)
-    # The fastest mode turns by count / 1.5 rad a segment at most.
-    wave = np.cos(count / 1.5 * nodes.points + 0.3)
-    assert np.abs(nodes.matrix(times) @ wave - np.cos(count / 1.5 * times + 0.3)).max() < allowed
+    # The fastest mode turns by this angle a segment at most.
+    wave = np.cos(turn * nodes.points + 0.3)
+    assert np.abs(nodes.matrix(times) @ wave - np.cos(turn * times + 0.3)).max() < 2e-9
     assert np.abs(nodes.matrix(nodes.points) - np.eye(count + 1)).max() == 0.0
+
+
+def test_samples_on_nodes_are_picked_out():
+    nodes = Uniform(5)
+    values = np.arange(6.0) ** 2
+    assert (nodes.matrix(np.array([0.2, 0.6 + 1e-13, 1.0])) @ values == [1.0, 9.0, 25.0]).all()
+
+
+@pytest.mark.parametrize("samples", [1, 100, 256, 257, 1000])
+@pytest.mark.parametrize("method", ["erk", "cvodes"])
+def test_any_number_of_samples_without_switching(method, samples):
+    c = case("lin-parker-4")
+    at = displaced(c)
+    path = c.run(at=at, method=method, rtol=1e-8, rate=1e5, t_end=samples / 1e5)
+    A = state_matrix(c.library, c.at.x, c.at.levels, c.p)
+    assert path.status == "done"
+    assert path.time == pytest.approx(np.arange(samples + 1) / 1e5)
+    assert path.end == path.time[-1]
+    wanted = expm(A * path.end) @ at.x
+    assert np.abs(path.x[-1] - wanted).max() < 1e-4 * np.abs(wanted).max()
+    assert residual(c, path, at) < 1e-4
 
 
 # --- free vibration

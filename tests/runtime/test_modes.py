@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from ltcgear.runtime.modes import find_modes
+
 from reference import lin_parker
 
 from .models import case, make_case

@@ -6,7 +6,7 @@ from ltcgear.runtime.equilibrium import Equilibrium
 from ltcgear.runtime.switching import AT_BORDER, Phases, cells_of, crossed, levels_of, lower, time_to_border, upper
 
 from .hand_model import contact_ratio
-from .models import case, run
+from .models import TORQUE_DRIVEN, case, run
 
 RPM = 2 * np.pi / 60
 
@@ -26,9 +26,9 @@ def walk(start, rate, share, duration):
         if clock + step > duration:
             return path
         clock += step
-        now = phases(now.tau + now.rate * step, rate, share)
-        cells, beyond = crossed(cells, now)
-        assert beyond <= AT_BORDER
+        before, now = now, phases(now.tau + now.rate * step, rate, share)
+        cells, part = crossed(cells, before, now)
+        assert part == 1.0
         path.append(cells)
 
 
@@ -76,14 +76,22 @@ def test_time_to_the_nearest_border_of_all():
 
 
 def test_only_phases_at_a_border_switch():
-    cells, beyond = crossed(np.array([0, 0, 1]), phases([0.4, 0.3, 0.4], [1.0, 1.0, -1.0]))
+    now = phases([0.4, 0.3, 0.4], [1.0, 1.0, -1.0])
+    cells, part = crossed(np.array([0, 0, 1]), now, now)
     assert cells.tolist() == [1, 0, 0]
-    assert beyond == 0.0
+    assert part == 1.0
 
 
-def test_a_phase_that_is_past_its_border_says_by_how_much():
-    assert crossed(np.array([0]), phases(0.45))[1] == pytest.approx(0.05)
-    assert crossed(np.array([1]), phases(0.35, -1.0))[1] == pytest.approx(0.05)
+def test_a_phase_that_is_past_its_border_says_where_in_the_step():
+    assert crossed(np.array([0]), phases(0.25), phases(0.45))[1] == pytest.approx(0.75)
+    assert crossed(np.array([1]), phases(0.45, -1.0), phases(0.35, -1.0))[1] == pytest.approx(0.5)
+
+
+def test_the_first_of_several_borders_decides():
+    before, after = phases([0.3, 0.0], [1.0, 4.0]), phases([0.5, 0.8], [1.0, 4.0])
+    cells, part = crossed(np.array([0, 0]), before, after)
+    assert part == pytest.approx(0.5)
+    assert cells.tolist() == [0, 0]  # nothing switches before the border is met
 
 
 @pytest.mark.parametrize("rate", [1.0, -1.0])
@@ -119,8 +127,8 @@ def test_meshes_out_of_phase_switch_one_by_one():
 
 
 def test_turning_back_on_a_border_returns_to_the_cell_left():
-    cells, _ = crossed(np.array([0]), phases(0.4, 1.0))
-    back, _ = crossed(cells, phases(0.4, -1.0))
+    cells, _ = crossed(np.array([0]), phases(0.3, 1.0), phases(0.4, 1.0))
+    back, _ = crossed(cells, phases(0.4, -1.0), phases(0.4, -1.0))
     assert (cells, back) == (1, 0)
 
 
@@ -208,6 +216,23 @@ def test_levels_at_samples_are_those_of_the_phases(scene, way):
         clear = from_border > 1e-7
         assert clear.sum() > 0.99 * len(clear)
         assert (path.levels[clear, i] == (part[clear] >= share)).all()
+
+
+@pytest.mark.parametrize("method", ["erk", "cvodes"])
+def test_switchings_of_an_accelerating_train_are_those_of_its_angle(method):
+    settings = (*TORQUE_DRIVEN[:1], 'loads.motor.torque = "6e6 N*m"', 'loads.motor.initial_speed = "2 rpm"')
+    c, path = case("rig-2mw", *settings), run("rig-2mw", *settings, method=method, rtol=1e-6, t_end=0.4)
+    angle = path.x[:, c.state("reference.angle")]
+    assert path.status == "done"
+    assert path.x[-1, c.state("reference.speed")] > 2 * path.x[0, c.state("reference.speed")]
+    wanted = 0
+    for i, mesh in enumerate(c.library.manifest.levels):
+        share, tau = share_of(c, mesh), nominal_phase(c, mesh, angle, 1.0)
+        wanted += border_count(tau[0], tau[-1], share)
+        part = np.mod(tau, 1.0)
+        clear = np.min([np.abs(part - b) for b in (0.0, share, 1.0)], axis=0) > 1e-6
+        assert (path.levels[clear, i] == (part[clear] >= share)).all()
+    assert path.counts.events == path.expected_events == wanted > 100
 
 
 def test_reversal_mirrors_the_count():

@@ -1,0 +1,66 @@
+"""Output nodes of a segment, and how samples between them are read."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+
+
+class Nodes(Protocol):
+    """Points in a segment's own time 0..1, the first 0 and the last 1."""
+
+    @property
+    def points(self) -> Vector:
+        """Return the points, shape (count + 1,)."""
+
+    def matrix(self, times: Vector) -> Vector:
+        """Return what takes values at the points to values at ``times``, shape (len(times), count + 1)."""
+
+
+@dataclass(frozen=True)
+class Chebyshev:
+    """Chebyshev-Lobatto points with barycentric interpolation (Berrut and Trefethen 2004)."""
+
+    count: int
+
+    @cached_property
+    def points(self) -> Vector:
+        """Return the points."""
+        return np.asarray((1 - np.cos(np.pi * np.arange(self.count + 1) / self.count)) / 2)
+
+    @cached_property
+    def weights(self) -> Vector:
+        """Return the barycentric weights."""
+        weights = np.where(np.arange(self.count + 1) % 2 == 0, 1.0, -1.0)
+        weights[[0, -1]] /= 2
+        return weights
+
+    def matrix(self, times: Vector) -> Vector:
+        """Return the interpolation matrix."""
+        gap = times[:, None] - self.points[None, :]
+        hit = np.abs(gap) < 1e-14
+        terms = self.weights / np.where(hit, 1.0, gap)
+        terms[hit.any(axis=1)] = 0.0
+        terms[hit] = 1.0
+        return np.asarray(terms / terms.sum(axis=1, keepdims=True))
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """Equal steps; samples fall on the points, so nothing is interpolated."""
+
+    count: int
+
+    @cached_property
+    def points(self) -> Vector:
+        """Return the points."""
+        return np.arange(self.count + 1) / self.count
+
+    def matrix(self, times: Vector) -> Vector:
+        """Return the selection matrix."""
+        chosen = np.rint(times * self.count).astype(np.int64)
+        return np.asarray(np.eye(self.count + 1)[chosen])

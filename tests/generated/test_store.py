@@ -1,0 +1,330 @@
+"""The store: keys that cover everything, folders that appear whole, compilers that fail loudly."""
+
+import ctypes
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from ltcgear.generated import store
+from ltcgear.generated.contract import Artifact, Manifest, Report, Signature, State
+from ltcgear.generated.errors import CompileError, LtcgearError
+
+C = "double answer(void) { return 42.0; }\n"
+KEY = "0123abcd"
+BROKEN = "double answer(void) { return nonsense; }\n"
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """A store of the test's own."""
+    monkeypatch.setenv("LTCGEAR_CACHE", str(tmp_path / "store"))
+    return tmp_path / "store"
+
+
+@pytest.fixture
+def compiler():
+    found = store.compiler()
+    assert found is not None
+    return found
+
+
+@pytest.fixture
+def fresh_compiler():
+    """Let `compiler` look again, before and after."""
+    store.compiler.cache_clear()
+    yield
+    store.compiler.cache_clear()
+
+
+@pytest.fixture
+def runs(monkeypatch):
+    """The commands that are run."""
+    seen, real = [], subprocess.run
+
+    def run(command, **options):
+        seen.append(command)
+        return real(command, **options)
+
+    monkeypatch.setattr(store.subprocess, "run", run)
+    return seen
+
+
+GRAPHS = "graphs of any kind, µ, long enough to be cut in the middle and still be text"
+
+
+def artifact():
+    signature = Signature((("x", 2, 1), ("p", 1, 1)), (("xdot", 2, 1),), 2, 7)
+    manifest = Manifest(
+        store.digest([C, GRAPHS]), "rest", (State("a.u", "rad", "a", "u", "a.inertia"),), ("m.1",), (("a.inertia", "kg*m^2"),),
+        (Report("speed", "a", "rad/s", "rotor"),), {"rhs": signature}, "3.8.2",
+    )  # fmt: skip
+    return Artifact(C, manifest, GRAPHS)
+
+
+# --- keys
+
+
+def test_borders_between_parts_matter():
+    assert store.digest(["ab", "c"]) != store.digest(["a", "bc"])
+    assert store.digest(["ab"]) != store.digest(["a", "b"])
+    assert store.digest(["", "a"]) != store.digest(["a", ""])
+    assert store.digest(["a", ""]) != store.digest(["a"])
+    assert store.digest(["1:a"]) != store.digest(["1", "a"])
+    assert store.digest(["µ"]) != store.digest(["u"])
+
+
+def test_a_digest_is_the_same_every_time():
+    assert store.digest(["a", "b"]) == store.digest(["a", "b"])
+    assert re.fullmatch("[0-9a-f]{64}", store.digest([]))
+
+
+def test_every_part_of_a_library_s_key_counts(home, monkeypatch, compiler, runs):
+    first = store.library(C, compiler)
+    others = [
+        store.library(C + "\n", compiler),
+        store.library(C, store.Compiler(compiler.path, compiler.version + "+")),
+    ]
+    with monkeypatch.context() as patch:
+        patch.setattr(store, "FLAGS", (*store.FLAGS, "-fno-math-errno"))
+        others.append(store.library(C, compiler))
+    with monkeypatch.context() as patch:
+        patch.setattr(store, "LIBRARIES", ("-lm", "-lc"))
+        others.append(store.library(C, compiler))
+    with monkeypatch.context() as patch:
+        patch.setattr(store, "processor", lambda: "another")
+        others.append(store.library(C, compiler))
+    link = home / "cc"
+    link.symlink_to(compiler.path)
+    others.append(store.library(C, store.Compiler(str(link), compiler.version)))
+    assert len({first, *others}) == 7 == len(runs)
+
+
+def test_every_part_of_a_model_s_key_counts(monkeypatch):
+    from ltcgear.symbolic import pipeline
+    from ltcgear.symbolic.build import build_model
+    from ltcgear.symbolic.scene import load_scene
+
+    def key(*changes):
+        return pipeline.content_key(build_model(load_scene("psh", dict(changes))))
+
+    plain = key()
+    assert key() == plain
+    # Numbers are parameters: the C of another stiffness is the same C.
+    assert key(("stages.psh.input.bearing.stiffness", '"1e9 N/m"'), ("title", "another")) == plain
+    others = {
+        key(("effects.gravity", "on")),
+        key(("effects.mesh_law", "paper")),
+        key(("effects.damping", "off")),
+        key(("stages.psh.input.drag", '"1 N*m*s/rad"')),
+    }
+    monkeypatch.setattr(pipeline, "_sources", lambda: "other equations")
+    others.add(key())
+    assert len(others | {plain}) == 6
+
+
+def test_the_sources_of_the_equations_are_in_the_key():
+    from ltcgear.symbolic import pipeline
+
+    here, text = Path(pipeline.__file__).parent, pipeline._sources()
+    for name in ("equations.py", "emit.py", "lower.py", "frames.py", "elements/mesh.py", "elements/bearing.py"):
+        assert (here / name).read_text("utf-8") in text
+
+
+# --- models in the store
+
+
+def test_what_is_put_is_got(home):
+    made = artifact()
+    assert store.get(KEY) is None
+    store.put(KEY, made)
+    assert store.get(KEY) == made
+    folder = home / "models" / KEY
+    assert sorted(path.name for path in folder.iterdir()) == sorted(store.files(made))
+    store.put(KEY, made)
+    assert store.get(KEY) == made
+
+
+def test_nothing_is_left_beside_a_model(home):
+    store.put(KEY, artifact())
+    store.put(KEY, artifact())
+    assert [path.name for path in (home / "models").iterdir()] == [KEY]
+
+
+def test_a_folder_appears_whole_or_not_at_all(tmp_path, monkeypatch):
+    real = Path.write_text
+
+    def write(path, *args, **options):
+        if path.name == "two":
+            raise OSError("the disk is full")
+        return real(path, *args, **options)
+
+    monkeypatch.setattr(Path, "write_text", write)
+    with pytest.raises(OSError, match="the disk is full"):
+        store.put_folder(tmp_path / "target", {"one": "1", "two": "2"})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_put_again_takes_the_place_of_the_older_one(tmp_path):
+    store.put_folder(tmp_path / "target", {"one": "theirs"})
+    store.put_folder(tmp_path / "target", {"one": "ours"})
+    assert (tmp_path / "target" / "one").read_text() == "ours"
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+DAMAGES = {
+    "missing": Path.unlink,
+    "not text": lambda path: path.write_bytes(b"\xff\xfe\x00"),
+    "cut": lambda path: path.write_text(path.read_text()[:30]),
+    "empty": lambda path: path.write_text(""),
+    "a list": lambda path: path.write_text("[]"),
+    "a lost entry": lambda path: path.write_text(path.read_text().replace('"reference"', '"preference"')),
+    "a strange entry": lambda path: path.write_text(path.read_text().replace('"axis": "u"', '"axle": "u"')),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [
+        *(("manifest.json", damage) for damage in DAMAGES),
+        *(
+            (name, damage)
+            for name in ("model.c", "graphs.casadi")
+            for damage in ("missing", "not text", "cut", "empty")
+        ),
+    ],
+)
+def test_a_damaged_model_is_dropped_and_made_again(home, name, damage):
+    made = artifact()
+    store.put(KEY, made)
+    DAMAGES[damage](home / "models" / KEY / name)
+    assert store.get(KEY) is None
+    assert not (home / "models" / KEY).exists()
+    store.put(KEY, made)
+    assert store.get(KEY) == made
+
+
+def test_a_manifest_of_another_format_is_not_read(home):
+    store.put(KEY, artifact())
+    path = home / "models" / KEY / "manifest.json"
+    path.write_text(path.read_text().replace('"format": 1', '"format": 2'))
+    assert store.get(KEY) is None
+
+
+def test_a_manifest_survives_its_text():
+    manifest = artifact().manifest
+    assert Manifest.from_json(manifest.to_json()) == manifest
+
+
+def test_files_of_the_user_are_written_whole(tmp_path):
+    store.write_folder(tmp_path / "a" / "b", {"x.c": "1", "y.c": "2"})
+    store.write_folder(tmp_path / "a" / "b", {"x.c": "3"})
+    assert {p.name: p.read_text() for p in (tmp_path / "a" / "b").iterdir()} == {"x.c": "3", "y.c": "2"}
+    (tmp_path / "file").write_text("")
+    with pytest.raises(LtcgearError, match="cannot be written"):
+        store.write_folder(tmp_path / "file" / "b", {"x.c": "1"})
+
+
+# --- compiling
+
+
+def test_a_library_is_compiled_once(home, compiler, runs):
+    path = store.library(C, compiler)
+    assert len(runs) == 1
+    assert store.library(C, compiler) == path
+    assert len(runs) == 1
+    function = ctypes.CDLL(str(path)).answer
+    function.restype = ctypes.c_double
+    assert function() == 42.0
+    assert [p.name for p in (home / "libraries").iterdir()] == [path.name]
+
+
+def test_a_model_is_compiled_once(home, runs):
+    from ltcgear.runtime.library import build
+    from ltcgear.symbolic.build import build_model
+    from ltcgear.symbolic.pipeline import generate
+    from ltcgear.symbolic.scene import make_scene
+
+    raw = {"title": "one", "rotors": {"a": {"inertia": "2 kg*m^2"}}}
+    raw["loads"] = {"motor": {"member": "a", "torque": "1 N*m", "initial_speed": "1 rad/s"}}
+    made = generate(build_model(make_scene(raw)))
+    assert build(made).path == build(made).path
+    assert len([command for command in runs if "-shared" in command]) == 1
+
+
+def test_a_refused_text_leaves_a_log(home, compiler):
+    with pytest.raises(CompileError) as caught:
+        store.library(BROKEN, compiler)
+    message = str(caught.value)
+    log = Path(message.rsplit("log: ", 1)[1])
+    assert compiler.path in message
+    assert "exit code 1" in message
+    assert log.parent == home / "libraries"
+    text = log.read_text()
+    assert "nonsense" in text
+    assert "-O3" in text
+    assert not list((home / "libraries").glob("*.so"))
+    assert caught.value.exit_code == 3
+
+
+def test_warnings_are_errors(home, compiler):
+    with pytest.raises(CompileError):
+        store.library("int f(void) { int x; return x; }\n", compiler)
+
+
+def test_a_compiler_that_is_not_there(monkeypatch, fresh_compiler):
+    monkeypatch.setenv("CC", "/nowhere/cc")
+    with pytest.raises(CompileError, match="CC = /nowhere/cc: no such compiler"):
+        store.compiler()
+
+
+def test_a_compiler_by_name(monkeypatch, fresh_compiler, compiler):
+    monkeypatch.setenv("CC", Path(compiler.path).name)
+    store.compiler.cache_clear()
+    assert store.compiler().path == compiler.path
+    assert store.compiler().version
+
+
+def test_no_compiler_is_no_error(monkeypatch, fresh_compiler, tmp_path):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert store.compiler() is None
+
+
+# --- whose folder it is
+
+
+def test_the_store_is_private(home):
+    assert store.root() == home
+    assert home.stat().st_mode & 0o077 == 0
+
+
+@pytest.mark.parametrize("mode", [0o720, 0o702, 0o777])
+def test_a_folder_others_may_write_is_refused(home, mode):
+    home.mkdir()
+    home.chmod(mode)
+    with pytest.raises(LtcgearError, match="others may write here; set LTCGEAR_CACHE"):
+        store.root()
+    with pytest.raises(LtcgearError, match="others may write here"):
+        store.put(KEY, artifact())
+
+
+def test_a_folder_of_somebody_else_is_refused(home, monkeypatch):
+    store.root()
+    monkeypatch.setattr(store.os, "getuid", lambda: home.stat().st_uid + 1)
+    with pytest.raises(LtcgearError, match="others may write here"):
+        store.root()
+
+
+def test_a_store_that_cannot_be_made_is_told(tmp_path, monkeypatch):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("LTCGEAR_CACHE", str(tmp_path / "file" / "store"))
+    with pytest.raises(LtcgearError, match=r"the store cannot be used: .*set LTCGEAR_CACHE"):
+        store.root()
+
+
+def test_without_a_choice_the_store_is_the_user_s_cache(monkeypatch, tmp_path):
+    monkeypatch.delenv("LTCGEAR_CACHE", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME" if sys.platform == "linux" else "HOME", str(tmp_path))
+    assert tmp_path in store.root().parents

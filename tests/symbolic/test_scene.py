@@ -1,0 +1,772 @@
+"""The scene reader: shipped scenes, their sources, the round trip, and every defect in one message."""
+
+import math
+import os
+import random
+import re
+import tomllib
+
+import pytest
+from ltcgear.generated.errors import SceneError
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.effects import DEFAULTS, EFFECTS
+from ltcgear.symbolic.scene import LARGEST_FILE, SHIPPED, load_scene, make_scene, restore_scene, shipped_scenes
+
+LABELS = ("printed:", "derived:", "assumed:")
+QUANTITY = re.compile(r"\s*[+-]?[0-9.]")
+
+
+def raw(name):
+    return tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def put(tree, key, value):
+    """Set a dotted key of a raw scene; a value of ``...`` removes it."""
+    *path, last = key.split(".")
+    for part in path:
+        tree = tree.setdefault(part, {})
+    if value is ...:
+        del tree[last]
+    else:
+        tree[last] = value
+
+
+def edited(name, changes):
+    tree = raw(name)
+    for key, value in changes.items():
+        put(tree, key, value)
+    return tree
+
+
+def message(tree):
+    with pytest.raises(SceneError) as caught:
+        make_scene(tree, label="gear.toml")
+    assert caught.value.exit_code == 2
+    return str(caught.value)
+
+
+# --- shipped scenes
+
+
+def test_the_shipped_scenes_are_there():
+    assert {"rig-2mw", "lsp", "hsp", "psh", "lin-parker-3", "lin-parker-4", "lin-parker-5"} <= set(shipped_scenes())
+    assert shipped_scenes() == sorted(shipped_scenes())
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_every_shipped_scene_loads(name):
+    scene = load_scene(name)
+    assert scene.name == name
+    assert scene.title
+    assert set(scene.effects) == set(DEFAULTS)
+    assert build_model(scene).values()
+
+
+def numbers(node, path=()):
+    """Yield dotted key and label of everything in a raw scene that is a number or a quantity."""
+    if isinstance(node, dict) and set(node) == {"value", "source"}:
+        if isinstance(node["value"], (int, float)) or QUANTITY.match(str(node["value"])):
+            yield ".".join(path), node["source"]
+    elif isinstance(node, dict):
+        for key, value in node.items():
+            yield from numbers(value, (*path, key))
+    elif isinstance(node, list):
+        for i, value in enumerate(node):
+            yield from numbers(value, (*path, str(i)))
+    elif isinstance(node, (int, float)) or (isinstance(node, str) and QUANTITY.match(node)):
+        yield ".".join(path), None
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_every_number_says_where_it_comes_from(name):
+    tree = raw(name)
+    tree.pop("title")
+    tree.get("simulation", {}).pop("t_end", None)
+    found = dict(numbers(tree))
+    assert len(found) >= 14
+    assert not [key for key, source in found.items() if source is None]
+    assert not [key for key, source in found.items() if not source.startswith(LABELS)]
+    assert set(found) <= set(load_scene(name).sources)
+
+
+# Wu, Zhou, Jiang, Chen, Appl. Sci. 2021, 11, 6876; torsional stiffness in 1e8 N m/rad, bearings in 1e9 N/m.
+PRINTED = {
+    # section 3.1
+    "lsp.planets": 4,
+    "hsp.planets": 3,
+    # Table 2
+    "lsp.ring.teeth": 118,
+    "lsp.planet.teeth": 48,
+    "lsp.sun.teeth": 22,
+    "lsp.module": 0.016,
+    "lsp.pressure_angle": "20 deg",
+    "hsp.ring.teeth": 118,
+    "hsp.planet.teeth": 50,
+    "hsp.sun.teeth": 17,
+    "hsp.module": 0.012,
+    "hsp.pressure_angle": "20 deg",
+    # Table 3
+    "psh.input.teeth": 59,
+    "psh.output.teeth": 21,
+    "psh.helix_angle": "8 deg",
+    "psh.module": 0.009,
+    "psh.pressure_angle": "20 deg",
+    # Table 4, single pair and variable stiffness coefficient (section 4.1 for those that switch)
+    "lsp.sun_planet.torsional_stiffness": 1.54e8,
+    "lsp.ring_planet.torsional_stiffness": 8.78e8,
+    "hsp.sun_planet.torsional_stiffness": 1.75e8,
+    "hsp.ring_planet.torsional_stiffness": 3.20e8,
+    "psh.mesh.torsional_stiffness": 0.96e8,
+    "lsp.sun_planet.double_factor": 1.10,
+    "lsp.ring_planet.double_factor": 1.01,
+    "hsp.sun_planet.double_factor": 1.40,
+    "psh.mesh.double_factor": 1.05,
+    # Table 6, rows 1 to 3 (positions by load, READING.md)
+    "lsp.pin.stiffness": 5.02e9,
+    "hsp.pin.stiffness": 4.20e9,
+    "lsp.ring.bearing.stiffness": 2.60e9,
+}
+PRINTED_SHAFTS = {  # Table 5
+    "input_shaft": 0.49e8,
+    "lsp_hsp": 1.81e8,
+    "hsp_psh": 0.17e8,
+    "output_shaft": 0.055e8,
+    "flange": 0.45e8,
+}
+
+
+def attribute(scene, key):
+    value = scene
+    for part in key.split("."):
+        value = value[part] if isinstance(value, dict) else getattr(value, part)
+    return value
+
+
+@pytest.mark.parametrize("key", PRINTED)
+def test_printed_values_are_those_of_the_paper(key):
+    expected = PRINTED[key]
+    for name in ("rig-2mw", key.split(".")[0]):
+        scene = load_scene(name)
+        in_si = float(expected.split()[0]) * 0.017453292519943295 if isinstance(expected, str) else expected
+        assert attribute(scene.stages, key) == pytest.approx(in_si, rel=1e-14)
+        assert scene.sources[f"stages.{key}"].startswith("printed: ")
+
+
+def test_printed_values_of_shafts_and_loads():
+    scene = load_scene("rig-2mw")
+    for name, stiffness in PRINTED_SHAFTS.items():
+        assert scene.couplings[name].stiffness == pytest.approx(stiffness, rel=1e-14)
+        assert scene.sources[f"couplings.{name}.stiffness"].startswith("printed: Table 5")
+    # section 4.1: 15 rpm, 1.06e4 N m, 8192 Hz
+    assert scene.loads["motor"].speed == pytest.approx(15 * 2 * 3.141592653589793 / 60, rel=1e-14)
+    assert scene.loads["generator"].torque == -1.06e4
+    assert scene.simulation.rate == 8192.0
+
+
+def test_values_derived_from_print():
+    """Table 6, rows 4 to 7: two bearings a shaft stand side by side."""
+    psh = load_scene("rig-2mw").stages["psh"]
+    assert psh.input.bearing.stiffness == pytest.approx(3.46e9 + 3.60e9, rel=1e-14)
+    assert psh.output.bearing.stiffness == pytest.approx(2.70e9 + 0.43e9, rel=1e-14)
+
+
+def test_nothing_is_called_printed_that_the_table_here_does_not_hold():
+    scene = load_scene("rig-2mw")
+    called = {key for key, source in scene.sources.items() if source.startswith("printed:")}
+    known = {f"stages.{key}" for key in PRINTED} | {f"couplings.{key}.stiffness" for key in PRINTED_SHAFTS}
+    assert called == known | {"loads.motor.speed", "loads.generator.torque", "simulation.rate"}
+
+
+# --- the round trip
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_a_scene_survives_its_json(name):
+    scene = load_scene(name)
+    again = restore_scene(scene.model_dump_json())
+    assert again == scene
+    assert again.sources == scene.sources
+    assert build_model(again).values() == build_model(scene).values()
+    assert build_model(again).structure() == build_model(scene).structure()
+
+
+def test_a_scene_with_everything_survives_its_json():
+    changes = {
+        "gravity": '["1 m/s^2", "-9.81 m/s^2"]',
+        "effects.gravity": "on",
+        "stages.lsp.planet_angles": '["0 deg", "90 deg", "180 deg", "270 deg"]',
+        "stages.lsp.pin.friction": "0.01",
+        "stages.lsp.pin.diameter": "0.3 m",
+        "stages.lsp.sun_planet.friction": '{coefficient = 0.05, damping = "3 N*s/m"}',
+        "stages.lsp.ring.drag": "0.1 N*m*s/rad",
+        "stages.lsp.line_of_centres": "33.3 deg",
+    }
+    scene = load_scene("lsp", changes)
+    assert restore_scene(scene.model_dump_json()) == scene
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "3", "null", "{}", '{"name": 1}', "[" * 100_000])
+def test_a_kept_scene_that_is_none_is_refused(text):
+    with pytest.raises(SceneError, match="kept scene: is not what ltcgear writes"):
+        restore_scene(text)
+
+
+def test_a_kept_scene_that_was_spoilt_is_refused():
+    text = load_scene("lsp").model_dump_json().replace('"planetary"', '"planetry"')
+    with pytest.raises(SceneError, match=r"stages\.lsp\.kind: 'planetry'"):
+        restore_scene(text)
+
+
+def test_a_scene_is_immutable():
+    scene = load_scene("lsp")
+    with pytest.raises(ValueError, match="frozen"):
+        scene.title = "other"
+
+
+def test_make_scene_leaves_its_argument_alone():
+    tree = raw("lsp")
+    make_scene(tree)
+    assert tree == raw("lsp")
+
+
+# --- defects: scene, what is changed, key and phrase of the message
+
+L = "stages.lsp."
+DEFECTS = {
+    # misspelt keys, at every depth
+    "table": ("lsp", {"stage": {}}, "stage: unknown key", 'did you mean "stages"?'),
+    "stage key": ("lsp", {L + "modul": "16 mm"}, "stages.lsp.modul: unknown key", 'did you mean "module"?'),
+    "gear key": ("lsp", {L + "sun.teeht": 22}, "stages.lsp.sun.teeht: unknown key", 'did you mean "teeth"?'),
+    "disc key": ("lsp", {L + "sun.disc.widht": "1 m"}, "stages.lsp.sun.disc.widht", 'did you mean "width"?'),
+    "bearing key": (
+        "lsp",
+        {L + "ring.bearing.stifness": "1 N/m"},
+        "stages.lsp.ring.bearing.stifness",
+        'did you mean "stiffness"?',
+    ),
+    "friction key": (
+        "lsp",
+        {L + "sun_planet.friction": {"coeficient": 0.1}},
+        "stages.lsp.sun_planet.friction.coeficient",
+        'did you mean "coefficient"?',
+    ),
+    "rotor key": ("rig-2mw", {"rotors.motor.intertia": "1 kg*m^2"}, "rotors.motor.intertia", '"inertia"?'),
+    "coupling key": ("rig-2mw", {"couplings.flange.betwen": []}, "couplings.flange.betwen", '"between"?'),
+    "load key": ("lsp", {"loads.ring.sped": "15 rpm"}, "loads.ring.sped", '"speed"?'),
+    "simulation key": ("lsp", {"simulation.tend": "1 s"}, "simulation.tend", '"t_end"?'),
+    "key far from all": ("lsp", {L + "zzz": 1}, "stages.lsp.zzz: unknown key", "known keys: carrier, center_distance"),
+    "key of another kind": ("psh", {"stages.psh.sunn": 1}, "stages.psh.sunn: unknown key", "known keys: "),
+    "effect": ("lsp", {"effects.mesh_lwa": "paper"}, "effects.mesh_lwa: unknown effect", '"mesh_law"?'),
+    "effect value": ("lsp", {"effects.mesh_law": "papre"}, "effects.mesh_law: 'papre'", 'did you mean "paper"?'),
+    "effect as boolean": ("lsp", {"effects.gravity": True}, "effects.gravity: True", "values: off, on"),
+    "effects as list": ("lsp", {"effects": ["gravity"]}, "effects: must be a table", "['gravity']"),
+    # structure
+    "no title": ("lsp", {"title": ...}, "title: is missing", ""),
+    "empty title": ("lsp", {"title": ""}, "title: must not be empty", ""),
+    "wrong kind": ("lsp", {L + "kind": "planetry"}, "stages.lsp.kind: 'planetry'", 'kind = "planetary"'),
+    "no kind": ("lsp", {L + "kind": ...}, "stages.lsp.kind: is missing", 'kind = "pair"'),
+    "kind as list": ("lsp", {L + "kind": ["pair"]}, "stages.lsp.kind: ['pair']", 'kind = "pair"'),
+    "missing member": ("lsp", {L + "sun": ...}, "stages.lsp.sun: is missing", ""),
+    "stage as number": ("lsp", {"stages.lsp": 3}, "stages.lsp: must be a table, not 3", ""),
+    "stages as list": ("lsp", {"stages": [1]}, "stages: must be a table", ""),
+    "bad name": ("lsp", {"rotors.Motor": {"inertia": "1 kg*m^2"}}, "rotors.Motor: names are small letters", ""),
+    "name taken": ("lsp", {"rotors.lsp": {"inertia": "1 kg*m^2"}}, "rotors.lsp: a stage has this name", "another"),
+    "reserved name": ("lsp", {"rotors.reference": {"inertia": "1 kg*m^2"}}, "rotors.reference:", "another"),
+    "name set": ("lsp", {"name": "x"}, "name: is set by ltcgear", "remove it"),
+    "no member at all": ("lsp", {"stages": {}, "loads": {}}, "stages: the scene has no member", "add a stage"),
+    # values
+    "bare number": ("lsp", {L + "module": 16}, "stages.lsp.module: 16 has no unit", '"16 mm"'),
+    "bare number in text": ("lsp", {L + "module": "16"}, "stages.lsp.module: '16' has no unit", '"16 mm"'),
+    "wrong dimension": ("lsp", {"loads.ring.speed": "15 Hz"}, "loads.ring.speed: '15 Hz'", '"15 rpm"'),
+    "torque for stiffness": (
+        "lsp",
+        {L + "sun_planet.torsional_stiffness": "1e8 N*m"},
+        "stages.lsp.sun_planet.torsional_stiffness: '1e8 N*m' has the wrong dimension",
+        '"1.8e8 N*m/rad"',
+    ),
+    "injection": ("lsp", {L + "module": "__import__('os')"}, "stages.lsp.module:", "is not a number with a unit"),
+    "negative mass": (
+        "lsp",
+        {L + "sun.disc": ..., L + "sun.mass": "-3 kg", L + "sun.inertia": "1 kg*m^2"},
+        "stages.lsp.sun.mass: '-3 kg'",
+        "greater than zero",
+    ),
+    "absurd size": ("lsp", {L + "module": "1e200 m"}, "stages.lsp.module: '1e200 m'", "out of all bounds"),
+    "number as text": ("lsp", {L + "sun.teeth": "22"}, "stages.lsp.sun.teeth: must be a whole number", "'22'"),
+    "teeth not whole": ("lsp", {L + "sun.teeth": 22.5}, "stages.lsp.sun.teeth: must be a whole number", "22.5"),
+    "negative teeth": ("lsp", {L + "sun.teeth": -22}, "stages.lsp.sun.teeth: must be greater", "-22"),
+    "damping in percent": ("lsp", {L + "pin.damping_ratio": "3 %"}, "stages.lsp.pin.damping_ratio: must be", "number"),
+    "damping above one": ("lsp", {L + "pin.damping_ratio": 5}, "stages.lsp.pin.damping_ratio: must be less than 1", ""),
+    "nan": ("lsp", {L + "sun_planet.phase": float("nan")}, "stages.lsp.sun_planet.phase:", "finite number"),
+    "choice": ("lsp", {L + "sun.support": "bearng"}, "stages.lsp.sun.support: must be 'fixed'", '"bearing"?'),
+    "gravity of three": ("lsp", {"gravity": ["0 m/s^2"] * 3}, "gravity: must have 2 items, not 3", ""),
+    "coupling of one": (
+        "rig-2mw",
+        {"couplings.flange.between": ["shaft"]},
+        "couplings.flange.between: must have 2 items, not 1",
+        "",
+    ),
+    "too many samples": ("lsp", {"simulation.rate": "1e12 Hz"}, "simulation.rate:", "lower one"),
+    # what does not go together
+    "disc and mass": ("lsp", {L + "sun.mass": "3 kg"}, "stages.lsp.sun: give either a disc", ""),
+    "mass alone": (
+        "lsp",
+        {L + "sun.disc": ..., L + "sun.mass": "3 kg"},
+        "stages.lsp.sun: inertia is missing",
+        "or a disc",
+    ),
+    "hollow beyond its rim": (
+        "lsp",
+        {L + "sun.disc.inner_diameter": "3 m"},
+        "stages.lsp.sun.disc.inner_diameter: must lie between",
+        "",
+    ),
+    "bearing without support": (
+        "lsp",
+        {L + "sun.bearing": {"stiffness": "1 N/m"}},
+        "stages.lsp.sun: support",
+        "belong together",
+    ),
+    "fixed and sprung": (
+        "lsp",
+        {L + "carrier.torsional_support": {"stiffness": "1 N*m/rad"}},
+        'stages.lsp.carrier: support = "fixed"',
+        "drop torsional_support",
+    ),
+    "two dampings": (
+        "lsp",
+        {L + "sun_planet.damping": "1 N*s/m"},
+        "stages.lsp.sun_planet: give either damping or damping_ratio",
+        "",
+    ),
+    "two stiffnesses": ("lsp", {L + "sun_planet.stiffness": "1 N/m"}, "stages.lsp.sun_planet: give either", ""),
+    "no reference": ("lsp", {L + "sun_planet.reference": ...}, "stages.lsp.sun_planet:", "belong together"),
+    "reference elsewhere": (
+        "lsp",
+        {L + "sun_planet.reference": "ring"},
+        "stages.lsp.sun_planet.reference: must be one of sun, planet",
+        "'ring'",
+    ),
+    "planet with drag": ("lsp", {L + "planet.drag": "1 N*m*s/rad"}, "stages.lsp.planet.drag:", "leave drag out"),
+    "pin friction without arm": ("lsp", {L + "pin.friction": 0.01}, "stages.lsp.pin.diameter: is missing", ""),
+    "rotor without inertia": ("rig-2mw", {"rotors.motor.inertia": ...}, "rotors.motor: give either inertia", "disc"),
+    "speed and torque": ("lsp", {"loads.ring.torque": "1 N*m"}, "loads.ring: give either speed or torque", ""),
+    "speed and initial speed": (
+        "lsp",
+        {"loads.ring.initial_speed": "1 rpm"},
+        "loads.ring.initial_speed: goes with torque",
+        "",
+    ),
+    "friction without numbers": ("lsp", {"effects.mesh_friction": "pitch-point"}, "effects.mesh_friction:", "give one"),
+    "pin friction without numbers": ("lsp", {"effects.bearing_friction": "on"}, "effects.bearing_friction:", "give"),
+    # names that refer to nothing
+    "coupling end": (
+        "rig-2mw",
+        {"couplings.flange.between": ["shaft", "genrator"]},
+        "couplings.flange.between: there is no member 'genrator'",
+        'did you mean "generator"?',
+    ),
+    "coupling to itself": (
+        "rig-2mw",
+        {"couplings.flange.between": ["shaft", "shaft"]},
+        "couplings.flange.between: both ends are 'shaft'",
+        "",
+    ),
+    "load nowhere": ("lsp", {"loads.ring.member": "lsp.rign"}, "loads.ring.member:", 'did you mean "lsp.ring"?'),
+    "load on a planet": ("lsp", {"loads.ring.member": "lsp.planet"}, "loads.ring.member:", "members: lsp.ring"),
+    "load on a fixed member": ("lsp", {"loads.ring.member": "lsp.carrier"}, "loads.ring.member:", "free it"),
+    "speed twice": (
+        "lsp",
+        {"loads.again": {"member": "lsp.ring", "speed": "14 rpm"}},
+        "loads: the speed of lsp.ring is given twice",
+        "",
+    ),
+    "speed and start elsewhere": (
+        "lsp",
+        {"loads.again": {"member": "lsp.ring", "torque": "1 N*m", "initial_speed": "14 rpm"}},
+        "loads: the speed of lsp.ring is given twice",
+        "",
+    ),
+    "speed against a spring": (
+        "lsp",
+        {L + "ring.torsional_support": {"stiffness": "1 N*m/rad"}},
+        "loads.ring: lsp.ring has a torsional_support",
+        "drop",
+    ),
+    # gears that cannot mesh
+    "module without pressure angle": (
+        "lsp",
+        {L + "pressure_angle": ...},
+        "stages.lsp.pressure_angle: is missing",
+        "module",
+    ),
+    "pressure angle of 90": ("lsp", {L + "pressure_angle": "90 deg"}, "stages.lsp.pressure_angle:", "0 and 45 deg"),
+    "helix of 90": ("psh", {"stages.psh.helix_angle": "90 deg"}, "stages.psh.helix_angle:", "-45 and 45 deg"),
+    "no teeth": ("lsp", {L + "sun.teeth": ...}, "stages.lsp.sun: give teeth", "or base_radius"),
+    "teeth against radius": ("lsp", {L + "sun.base_radius": "0.2 m"}, "stages.lsp.sun.base_radius:", "165.386 mm"),
+    "ring too small": ("lsp", {L + "ring.teeth": 48}, "stages.lsp.ring: must be larger than the planet", ""),
+    "shifts too low": (
+        "lsp",
+        {L + "sun.profile_shift": -1.9, L + "planet.profile_shift": -1.9},
+        "stages.lsp.sun_planet: the profile shifts",
+        "give larger ones",
+    ),
+    "distances differ": ("lsp", {L + "ring.teeth": 122}, "stages.lsp.center_distance:", "592.000 mm for ring-planet"),
+    "base circles apart": (
+        "lsp",
+        {L + "center_distance": "100 mm"},
+        "stages.lsp.sun_planet: the base circles' sum 526.228 mm",
+        "check teeth, module and center_distance",
+    ),
+    "distance in metres": ("lsp", {L + "center_distance": "560 m"}, "stages.lsp.sun_planet: the centre distance", "45"),
+    "contact ratio given out of range": (
+        "lsp",
+        {L + "sun_planet.contact_ratio": 2.5},
+        "stages.lsp.sun_planet.contact_ratio: must be less than 2",
+        "2.5",
+    ),
+    "contact ratio computed out of range": (
+        "lsp",
+        {L + "pressure_angle": "1 deg"},
+        "stages.lsp.sun_planet.contact_ratio: full-depth teeth would have",
+        "give contact_ratio",
+    ),
+    "interference": (
+        "psh",
+        {"stages.psh.input.teeth": 5, "stages.psh.output.teeth": 5},
+        "stages.psh.mesh.contact_ratio: full-depth tips",
+        "give contact_ratio",
+    ),
+    "planets that cannot be assembled": (
+        "lsp",
+        {L + "planets": 3},
+        "stages.lsp.planets: 3 equally spaced planets cannot be assembled",
+        "give planet_angles",
+    ),
+    "planets between the teeth": (
+        "lsp",
+        {L + "planet_angles": ["0 deg", "91 deg", "180 deg", "270 deg"]},
+        "stages.lsp.planet_angles.1:",
+        '"90 deg"',
+    ),
+    "planets that overlap": ("lsp", {L + "planets": 5}, "stages.lsp.planets: neighbouring planets overlap", "fewer"),
+    "planets in one place": (
+        "lsp",
+        {L + "planet_angles": ["0 deg", "360 deg", "180 deg", "270 deg"]},
+        "stages.lsp.planet_angles: neighbouring planets overlap",
+        "",
+    ),
+    "angles missing": ("lsp", {L + "planet_angles": ["0 deg"]}, "stages.lsp.planet_angles: 1 angles", "give one"),
+    "all afloat": (
+        "lin-parker-3",
+        {f"stages.gear.{part}.{key}": value for part in ("sun", "ring", "carrier")
+         for key, value in (("support", "floating"), ("bearing", ...))},
+        "stages.gear: sun, ring and carrier all float",
+        "give one of them a bearing",
+    ),
+    "pair afloat": (
+        "psh",
+        {"stages.psh.input.support": "floating", "stages.psh.input.bearing": ...},
+        "stages.psh.input: nothing holds",
+        "give it a bearing",
+    ),
+    # sources
+    "label": (
+        "lsp",
+        {L + "module": {"value": "16 mm", "source": "guessed: x"}},
+        "stages.lsp.module.source: 'guessed: x' must begin with",
+        '"assumed: "',
+    ),
+    "label without text": (
+        "lsp",
+        {L + "module": {"value": "16 mm", "source": "printed: "}},
+        "stages.lsp.module.source:",
+        "must begin with",
+    ),
+    "label as number": ("lsp", {L + "module": {"value": "16 mm", "source": 3}}, "stages.lsp.module.source: 3", ""),
+    "source alone": ("lsp", {L + "module": {"source": "printed: x"}}, "stages.lsp.module.source: value", "{ value ="),
+    "value alone": ("lsp", {L + "module": {"value": "16 mm"}}, "stages.lsp.module.source: source is missing", ""),
+    "source misspelt": (
+        "lsp",
+        {L + "module": {"value": "16 mm", "sorce": "printed: x"}},
+        "stages.lsp.module.source: sorce does not belong here",
+        "",
+    ),
+    "note beside source": (
+        "lsp",
+        {L + "module": {"value": "16 mm", "source": "printed: x", "note": "y"}},
+        "stages.lsp.module.source: note does not belong here",
+        "",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("defect", DEFECTS)
+def test_a_defect_is_told_with_file_key_reason_and_cure(defect):
+    name, changes, key, cure = DEFECTS[defect]
+    text = message(edited(name, changes))
+    head, *faults = text.split("\n")
+    assert re.fullmatch(r"gear\.toml: \d+ defects?", head)
+    told = [fault for fault in faults if fault.startswith(f"  {key}")]
+    assert told, text
+    assert cure in told[0]
+    assert all(len(fault) < 700 for fault in faults)
+
+
+ALONE = set(DEFECTS) - {"base circles apart", "distance in metres", "contact ratio computed out of range", "no title",
+                        "bad name", "friction key", "planets between the teeth", "source alone"}  # fmt: skip
+
+
+@pytest.mark.parametrize("defect", sorted(ALONE))
+def test_one_defect_is_told_once(defect):
+    name, changes, *_ = DEFECTS[defect]
+    assert message(edited(name, changes)).startswith("gear.toml: 1 defect\n")
+
+
+def test_all_defects_are_told_together():
+    """Misspelt key, bare number, bad label, bad effect, two bad names, teeth that do not fit, at one go."""
+    changes = {
+        "stages.lsp.sun.teeht": 22,
+        "stages.psh.module": 9,
+        "stages.hsp.planets": 4,
+        "stages.hsp.module": {"value": "12 mm", "source": "somewhere"},
+        "effects.gravity": "onn",
+        "effects.colour": "red",
+        "couplings.flange.between": ["shaft", "genrator"],
+        "couplings.hsp_psh.betwen": [],
+        "loads.motor.member": "moter",
+        "loads.generator.torque": "1 Nm",
+        "rotors.shaft.disc.width": "-1 m",
+    }
+    text = message(edited("rig-2mw", changes))
+    for key in (
+        "stages.lsp.sun.teeht: unknown key",
+        "stages.psh.module: 9 has no unit",
+        "stages.hsp.planets: 4 equally spaced",
+        "stages.hsp.module.source: 'somewhere'",
+        "effects.gravity: 'onn'",
+        "effects.colour: unknown effect",
+        "couplings.flange.between: there is no member 'genrator'",
+        "couplings.hsp_psh.betwen: unknown key",
+        "loads.motor.member: there is no member 'moter'",
+        "loads.generator.torque: '1 Nm'",
+        "rotors.shaft.disc.width: '-1 m'",
+    ):
+        assert f"\n  {key}" in text, text
+    assert text.startswith("gear.toml: 11 defects\n"), text
+
+
+def test_a_bad_label_does_not_hide_a_bad_value():
+    text = message(edited("lsp", {L + "module": {"value": 16, "source": "guessed: x"}}))
+    assert "stages.lsp.module.source: 'guessed: x'" in text
+    assert "stages.lsp.module: 16 has no unit" in text
+
+
+def test_two_faults_of_one_table_are_both_told():
+    text = message(edited("lsp", {L + "sun.disc": ..., L + "sun.support": "bearing"}))
+    assert 'support = "bearing" and a bearing table' in text
+    assert "mass and inertia are missing" in text
+
+
+@pytest.mark.parametrize("name", ["planetary", "pair", "source", "value"])
+def test_a_stage_may_have_any_free_name(name):
+    tree = raw("psh")
+    tree["stages"][name] = tree["stages"].pop("psh")
+    tree["loads"]["input"]["member"], tree["loads"]["output"]["member"] = f"{name}.input", f"{name}.output"
+    assert make_scene(tree).stages[name].kind == "pair"
+    tree["stages"][name]["input"]["teeth"] = "x"
+    assert f"stages.{name}.input.teeth: must be a whole number" in message(tree)
+
+
+def test_rotors_named_value_and_source_are_rotors():
+    rotors = {"value": {"inertia": "1 kg*m^2"}, "source": {"inertia": "1 kg*m^2"}}
+    assert set(make_scene({"title": "x", "rotors": rotors}).rotors) == {"value", "source"}
+
+
+def test_control_characters_do_not_reach_the_terminal():
+    text = message(edited("lsp", {"stages.lsp.\x1b[31mred\x07": 1, "title": "x"}))
+    assert "\x1b" not in text
+    assert "\\x1b[31mred\\x07: unknown key" in text
+
+
+def test_wide_profile_shifts_are_solved():
+    changes = {"stages.psh.input.profile_shift": 1.9, "stages.psh.output.profile_shift": 1.9}
+    assert build_model(make_scene(edited("psh", changes))).values()
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
+def test_every_effect_takes_its_values(effect):
+    more = {"stages.lsp.sun_planet.friction.coefficient": "0.05", "stages.lsp.pin.friction_damping": "1 N*m*s/rad"}
+    for value in effect.values:
+        scene = load_scene("lsp", more | {f"effects.{effect.name}": value})
+        assert scene.effects == DEFAULTS | {effect.name: value}
+        assert build_model(scene).effects[effect.name] == value
+
+
+# --- any other defect
+
+
+def places(node):
+    """Yield container and key of everything in a raw scene."""
+    for key, value in node.items() if isinstance(node, dict) else ():
+        yield node, key
+        yield from places(value)
+
+
+SPOILS = [
+    None, True, 0, -1, 10**40, 1e300, float("nan"), "", "x", "0 mm", "-1 kg", "1e-9 m", "1e9 N/m", "5 rpm", [], [1], {},
+    {"value": 1}, "fixed", "rigid", "floating", "pair", "lsp.ring", {"inertia": "1 kg*m^2"}, "\ud800", "☃" * 99,
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_scene_spoilt_at_random_is_refused_or_makes_a_model(seed):
+    chance = random.Random(seed)
+    for _ in range(10):
+        tree = raw(chance.choice(["rig-2mw", "lsp", "psh", "lin-parker-4"]))
+        for _ in range(chance.choice([1, 1, 2])):
+            where, key = chance.choice(list(places(tree)))
+            if chance.random() < 0.2:
+                del where[key]
+            else:
+                where[chance.choice([key, key, "support", "drag", "teeth"])] = chance.choice(SPOILS)
+        told = ""
+        try:
+            scene = make_scene(tree)
+        except SceneError as error:
+            told = str(error)
+        if told:
+            assert re.match(r"scene: \d+ defects?\n  ", told)
+            assert told.encode()
+        else:
+            assert all(math.isfinite(value) for value in build_model(scene).values().values())
+
+
+# --- files
+
+
+def refused(path, match, changes=None):
+    with pytest.raises(SceneError, match=match) as caught:
+        load_scene(path, changes)
+    assert str(path)[:40] in str(caught.value)
+    assert "\n  " in str(caught.value) or "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def writer(data):
+        path = tmp_path / "my gear.toml"
+        path.write_bytes(data if isinstance(data, bytes) else data.encode())
+        return path
+
+    return writer
+
+
+FILES = {
+    "empty": (b"", "title: is missing"),
+    "syntax": (b"title = \n", r"not valid TOML: Invalid value \(at line 1"),
+    "key twice": (b"a = 1\na = 2\n", "not valid TOML: Cannot overwrite a value"),
+    "unit without quotes": (b"module = 16 mm\n", r"not valid TOML: .*at line 1"),
+    "binary": (bytes(range(256)) * 8, "cannot be read as UTF-8 text"),
+    "UTF-16": ("title = 'x'".encode("utf-16"), "cannot be read as UTF-8 text"),
+    "Latin-1": ("title = 'Größe'".encode("latin-1"), "cannot be read as UTF-8 text"),
+    "zero bytes": (b"title\0= 'x'", "not valid TOML"),
+    "nested lists": (b"a = " + b"[" * 50_000, "not valid TOML"),
+    "nested tables": (b"a." * 3000 + b"b = 1", "nested too deeply"),
+    "huge integer": (b"a = " + b"9" * 6000, "not valid TOML"),
+    "huge file": (b"#" * (LARGEST_FILE + 1), "more than 1000000 bytes"),
+    "another program's file": (b"[package]\nname = 'x'\n", "package: unknown key"),
+}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_a_file_that_is_no_scene_is_refused(kind, write):
+    data, reason = FILES[kind]
+    refused(write(data), reason)
+
+
+@pytest.mark.parametrize("change", [lambda b: b"\xef\xbb\xbf" + b, lambda b: b.replace(b"\n", b"\r\n")])
+def test_files_from_other_systems_are_read(write, change):
+    path = write(change((SHIPPED / "lsp.toml").read_bytes()))
+    scene = load_scene(path)
+    assert scene.name == "my gear"
+    assert scene.stages == load_scene("lsp").stages
+
+
+def test_a_folder_is_refused(tmp_path):
+    refused(tmp_path, "is a folder")
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
+def test_an_unreadable_file_is_refused(write):
+    path = write("title = 'x'")
+    path.chmod(0)
+    refused(path, "Permission denied")
+
+
+def test_a_file_that_cannot_be_opened_is_refused(write, monkeypatch):
+    path = write("title = 'x'")
+
+    def forbidden(self, *args, **kwargs):
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(type(path), "open", forbidden)
+    refused(path, "cannot be read as UTF-8 text: Permission denied")
+
+
+@pytest.mark.parametrize("name", ["nosuch", "no/such/file.toml", "", "a" * 5000, "a\0b", "lsp.toml/x"])
+def test_a_scene_that_is_not_there_is_refused(name):
+    with pytest.raises(SceneError) as caught:
+        load_scene(name)
+    assert len(str(caught.value)) < 1000
+    assert "\0" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "near"), [("rig2mw", "rig-2mw"), ("lsp.toml", "lsp"), ("lin-parker", "lin-parker-")])
+def test_the_nearest_shipped_scene_is_named(name, near):
+    assert f'did you mean "{near}' in refused(name, "no such file and no shipped scene; did you mean")
+    assert "; shipped scenes: hsp, " in refused("zzzzz", "no such file")
+
+
+# --- changes, as --set gives them
+
+
+def test_changes_replace_values_and_their_labels():
+    scene = load_scene(
+        "lsp", {"stages.lsp.module": "15 mm", "loads.ring.speed": "'10 rpm'", "stages.lsp.sun.teeth": "22"}
+    )
+    assert scene.stages["lsp"].module == 0.015
+    assert scene.stages["lsp"].sun.teeth == 22
+    assert "stages.lsp.module" not in scene.sources
+
+
+def test_a_changed_value_does_not_keep_a_printed_label():
+    scene = load_scene("lsp", {"stages.lsp.module.value": "15 mm"})
+    assert scene.sources["stages.lsp.module"].startswith("assumed: ")
+
+
+CHANGES = {
+    "stages.lsp.module": ("16", "stages.lsp.module: 16 has no unit"),
+    "stages.lsp.modul": ("16 mm", 'stages.lsp.modul: unknown key; did you mean "module"?'),
+    "stages.lps.sun.teeth": ("22", "stages.lps.kind: is missing"),
+    "title.x": ("1", "title.x: 'title' is a value, not a table"),
+    "": ("1", "unknown key"),
+    "..": ("1", "unknown key"),
+    "gravity.0": ("'1 m/s^2'", "gravity: must be a list"),
+    "title": ("", "title: must not be empty"),
+    "effects.gravity": ("true", "effects.gravity: True is not a value of it"),
+    "x": ("[" * 50_000, "x: unknown key"),
+    "y": ("9" * 6000, "y: unknown key"),
+    "a" + ".a" * 3000: ("1", "nested too deeply"),
+    "stages.lsp.pin.stiffness": ("'1 N/m'\n[effects]\ngravity='on'", "stages.lsp.pin.stiffness:"),
+}
+
+
+@pytest.mark.parametrize("key", CHANGES, ids=lambda key: key[:30] or "empty")
+def test_a_bad_change_is_refused(key):
+    value, reason = CHANGES[key]
+    with pytest.raises(SceneError) as caught:
+        load_scene("lsp", {key: value})
+    assert reason in str(caught.value)
+    assert len(str(caught.value)) < 1500

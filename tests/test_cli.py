@@ -1,0 +1,326 @@
+"""The command line: exit codes, JSON and nothing else on stdout, one message and no traceback on stderr."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from ltcgear.generated import store as generated_store
+from ltcgear.runtime import cli, library
+from ltcgear.symbolic.scene import shipped_scenes
+
+SHORT = ("--t-end", "0.01")
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run a command line in this process; return exit code, stdout and stderr."""
+
+    def runner(*arguments):
+        monkeypatch.setattr(sys, "argv", ["ltcgear", *map(str, arguments)])
+        capsys.readouterr()
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as stop:
+            code = stop.code or 0
+        out, err = capsys.readouterr()
+        assert "Traceback" not in out + err
+        return code, out, err
+
+    return runner
+
+
+@pytest.fixture
+def data(run):
+    """Run a command with --json; return its object, which must be all that stdout holds."""
+
+    def runner(*arguments, code=0):
+        found, out, err = run(*arguments, "--json")
+        assert found == code, err
+        assert len(out.splitlines()) == 1
+        shown = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+        assert isinstance(shown, dict)
+        return shown
+
+    return runner
+
+
+@pytest.fixture
+def refused(run):
+    """Run a command that must fail; return its message. Nothing may be on stdout."""
+
+    def runner(*arguments, code=2):
+        found, out, err = run(*arguments)
+        assert (found, out) == (code, ""), (out, err)
+        assert err.strip()
+        return err
+
+    return runner
+
+
+# --- exit code 0
+
+
+def test_scenes(data, run):
+    listed = data("scenes")["scenes"]
+    assert [item["name"] for item in listed] == shipped_scenes()
+    assert all(item["title"] for item in listed)
+    assert run("scenes")[1].count("rig-2mw") == 1
+
+
+def test_effects(data, run):
+    listed = {item["name"]: item for item in data("effects")["effects"]}
+    assert listed["mesh_law"]["default"] == listed["mesh_law"]["values"][0] == "involute"
+    assert all(item["help"] and item["source"] for item in listed.values())
+    assert "bearing_friction" in run("effects")[1]
+
+
+def test_info(data, run):
+    shown = data("info", "rig-2mw")
+    assert {"scene", "dof", "states", "parameters", "effects", "ops", "jacobian_nnz"} <= set(shown)
+    assert set(shown["ops"]) == {"rhs", "jacobian"}
+    assert shown["dof"] == 41
+    assert shown["static_mesh_forces_n"]["lsp.sun_planet"] == pytest.approx(3.575e5, rel=5e-3)
+    assert shown["speed_ratios"]["generator"] == pytest.approx(119.668, abs=1e-3)
+    assert "sources" not in shown
+    assert "degrees of freedom" in run("info", "rig-2mw")[1]
+
+
+def test_info_with_sources(data, run):
+    sources = data("info", "lsp", "--sources")["sources"]
+    assert sources["stages.lsp.module"] == "printed: Table 2"
+    assert all(text.startswith(("printed:", "derived:", "assumed:")) for text in sources.values())
+    assert "Where the numbers come from" in run("info", "lsp", "--sources")[1]
+
+
+def test_info_of_a_file(data, tmp_path):
+    from ltcgear.symbolic.scene import SHIPPED
+
+    path = tmp_path / "mine [1].toml"
+    path.write_text((SHIPPED / "psh.toml").read_text("utf-8"), encoding="utf-8")
+    assert data("info", path)["scene"] == "mine [1]"
+
+
+def test_check(data, run):
+    shown = data("check", "psh")
+    assert shown["passed"] is True
+    assert all({"name", "passed", "value", "tolerance", "note"} <= set(check) for check in shown["checks"])
+    assert run("check", "psh")[0] == 0
+
+
+def test_check_paper(data):
+    rows = data("check", "--paper")["equations"]
+    assert {row["verdict"] for row in rows} <= {"agrees", "first-order", "misprint"}
+    assert all({"equation", "row", "why", "printed", "derived"} <= set(row) for row in rows)
+    assert {31, 38} <= {row["equation"] for row in rows}
+
+
+def test_generate(data, tmp_path):
+    target = tmp_path / "new" / "folder"
+    shown = data("generate", "psh", "-o", target)
+    assert {"files", "ops", "seconds", "key"} <= set(shown)
+    assert {"derive", "check", "emit", "compile"} <= set(shown["seconds"])
+    assert sorted(path.name for path in target.iterdir()) == ["manifest.json", "model.c"]
+    assert all(Path(file).is_file() for file in shown["files"])
+    assert (target / "model.c").read_text("utf-8").count("{") > 10
+    assert all(Path(file).is_file() for file in data("generate", "psh")["files"])
+
+
+def test_simulate(data, tmp_path):
+    target = tmp_path / "result.nc"
+    shown = data("simulate", "lsp", *SHORT, "-o", target)
+    expected = {"status", "method", "rtol", "simulated_s", "seconds", "real_time_factor", "counts", "energy_residual"}
+    assert expected | {"forces"} <= set(shown)
+    assert {"steps", "rhs", "jacobian", "events"} <= set(shown["counts"])
+    assert shown["status"] == "done"
+    assert abs(shown["energy_residual"]) < 1e-5
+    force = shown["forces"]["lsp.sun_planet.1"]
+    assert {"mean", "min", "max", "load_factor"} <= set(force)
+    assert force["min"] < force["mean"] < force["max"]
+    assert target.read_bytes()[1:4] == b"HDF"
+    assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
+
+
+@pytest.mark.parametrize("method", ["erk", "cvodes", "idas", "rosenbrock"])
+def test_simulate_by_every_method(data, method):
+    shown = data("simulate", "psh", "--t-end", "0.002", "--method", method, "--rtol", "1e-5")
+    assert (shown["status"], shown["method"], shown["rtol"]) == ("done", method, 1e-5)
+
+
+def test_modes(data, run):
+    modes = data("modes", "lin-parker-3")["modes"]
+    frequencies = [mode["frequency_hz"] for mode in modes]
+    assert frequencies == sorted(frequencies)
+    assert frequencies[0] == pytest.approx(0.0, abs=1e-2)  # the rigid-body mode is listed
+    assert {"frequency_hz", "damping_ratio", "class"} <= set(modes[0])
+    assert "Hz" in run("modes", "lin-parker-3")[1]
+
+
+def test_set_replaces_values(data):
+    shown = data("info", "lsp", "--set", "effects.mesh_law=paper", "--set", "loads.ring.speed=7.5 rpm")
+    assert shown["effects"]["mesh_law"] == "paper"
+    assert data("info", "lsp", "--set", "title=a = b")["title"] == "a = b"
+
+
+def test_help_and_no_command(run):
+    assert run("--help")[0] == 0
+    for command in ("scenes", "effects", "info", "check", "generate", "simulate", "modes"):
+        code, out, _ = run(command, "--help")
+        assert code == 0
+        assert "--json" in out
+
+
+# --- exit code 1
+
+
+def test_a_failed_check_is_exit_code_1(data, monkeypatch):
+    from ltcgear.symbolic.checks import run as checks
+    from ltcgear.symbolic.checks.base import judged
+
+    monkeypatch.setattr(checks, "check_model", lambda model: [judged("broken on purpose", 1.0, 1e-9, "test")])
+    shown = data("check", "psh", code=1)
+    assert shown["passed"] is False
+    assert shown["checks"][0]["name"] == "broken on purpose"
+
+
+# --- exit code 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (["nosuch"], "No such command"),
+        (["info"], "Missing argument"),
+        (["info", "lsp", "hsp"], "unexpected extra argument"),
+        (["info", "lsp", "--nosuch"], "No such option"),
+        (["scenes", "lsp"], "unexpected extra argument"),
+        (["simulate", "lsp", "--t-end", "soon"], "--t-end"),
+        (["simulate", "lsp", "--rtol"], "requires an argument"),
+        (["check"], "give a SCENE, or --paper"),
+        (["check", "lsp", "--paper"], "give a SCENE, or --paper"),
+        (["check", "nosuch"], "nosuch: no such file"),
+        (["info", "rig2mw"], 'did you mean "rig-2mw"?'),
+        (["modes", "nosuch"], "shipped scenes: hsp"),
+        (["generate", "nosuch"], "no such file"),
+        (["simulate", "nosuch"], "no such file"),
+        (["simulate", "lsp", "--method", "rk4"], 'did you mean "erk"?'),
+        (["simulate", "lsp", "--method", "ode45"], "--method ode45: unknown"),
+        (["simulate", "lsp", "--method", ""], "--method : unknown"),
+        (["simulate", "lsp", "--rtol", "0"], "must lie between"),
+        (["simulate", "lsp", "--rtol", "1"], "must lie between"),
+        (["simulate", "lsp", "--rtol", "-1e-6"], "must lie between"),
+        (["simulate", "lsp", "--rtol", "nan"], "must lie between"),
+        (["simulate", "lsp", "--t-end", "0"], "--t-end 0"),
+        (["simulate", "lsp", "--t-end", "-1"], "--t-end -1"),
+        (["simulate", "lsp", "--t-end", "nan"], "--t-end nan"),
+        (["simulate", "lsp", "--t-end", "inf"], "--t-end inf"),
+        (["info", "lsp", "--set"], "requires an argument"),
+        (["info", "lsp", "--set", "foo"], "write KEY=VALUE"),
+        (["info", "lsp", "--set", "=3"], "write KEY=VALUE"),
+        (["info", "lsp", "--set", "effects.mesh_law=papre"], 'did you mean "paper"?'),
+        (["info", "lsp", "--set", "stages.lsp.modul=16 mm"], 'did you mean "module"?'),
+        (["info", "lsp", "--set", "stages.lsp.module=16"], 'write it like "16 mm"'),
+        (["info", "lsp", "--set", "title.x=1"], "is a value, not a table"),
+        (["info", "lsp", "--set", "x=" + "[" * 50_000], "unknown key"),
+        (["modes", "lsp", "--set", "a" + ".a" * 3000 + "=1"], "nested too deeply"),
+        (["check", "lsp", "--set", "x=" + "9" * 6000], "unknown key"),
+    ],
+    ids=lambda value: " ".join(value)[:60] if isinstance(value, list) else "",
+)
+@pytest.mark.parametrize("more", [[], ["--json"]], ids=["", "json"])
+def test_bad_input_is_exit_code_2(refused, arguments, reason, more):
+    if more and arguments[-1] in ("--set", "--rtol"):
+        pytest.skip("the option would take --json for its value")
+    assert reason in " ".join(refused(*arguments, *more).split())
+
+
+def test_a_bad_scene_file_is_exit_code_2(refused, tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_text('title = "x"\n[rotors.a]\nintertia = "1 kg"\n[effects]\ngravity = "of"\n', encoding="utf-8")
+    for command in ("info", "check", "generate", "simulate", "modes"):
+        text = refused(command, path, "--json")
+        assert text.startswith(f"ltcgear: {path}: 2 defects\n")
+        assert 'rotors.a.intertia: unknown key; did you mean "inertia"?' in text
+        assert "effects.gravity: 'of'" in text
+
+
+@pytest.fixture
+def nothing_computed(monkeypatch):
+    """Let any computing fail the test."""
+
+    def computed(*arguments, **keys):
+        pytest.fail("computed before the target was refused")
+
+    monkeypatch.setattr(cli, "open_scene", computed)
+
+
+@pytest.mark.usefixtures("nothing_computed")
+def test_an_unwritable_result_is_refused_before_computing(refused, tmp_path):
+    assert "does not exist" in refused("simulate", "lsp", "-o", tmp_path / "no" / "x.nc")
+    assert "is a folder" in refused("simulate", "lsp", "-o", tmp_path)
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    assert "does not exist" in refused("simulate", "lsp", "-o", tmp_path / "file" / "x.nc")
+
+
+@pytest.mark.usefixtures("nothing_computed")
+def test_a_folder_without_the_right_to_write_is_refused_before_computing(refused, tmp_path, monkeypatch):
+    def refuse(*arguments, **keys):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
+    assert "cannot be written" in refused("simulate", "lsp", "-o", tmp_path / "x.nc")
+
+
+def test_a_target_for_c_that_is_a_file_is_refused(refused, tmp_path):
+    (tmp_path / "file").write_text("kept", encoding="utf-8")
+    assert "cannot be written" in refused("generate", "psh", "-o", tmp_path / "file")
+    assert "cannot be written" in refused("generate", "psh", "-o", tmp_path / "file" / "below")
+    assert (tmp_path / "file").read_text("utf-8") == "kept"
+
+
+def test_a_store_others_may_write_is_refused(refused, tmp_path, monkeypatch):
+    tmp_path.chmod(0o777)
+    monkeypatch.setenv("LTCGEAR_CACHE", str(tmp_path))
+    assert "set LTCGEAR_CACHE" in refused("info", "lsp")
+
+
+# --- exit code 3
+
+
+def test_a_scene_without_equilibrium_is_exit_code_3(refused):
+    text = refused("modes", "lsp", "--set", "loads.ring={member='lsp.ring', torque='1 N*m'}", code=3)
+    assert text.startswith("ltcgear: ")
+
+
+def test_a_compiler_that_is_not_there_is_exit_code_3(refused, monkeypatch):
+    monkeypatch.setenv("CC", "/nonexistent/cc")
+    generated_store.compiler.cache_clear()
+    try:
+        assert "no such compiler" in refused("generate", "psh", code=3)
+    finally:
+        generated_store.compiler.cache_clear()
+
+
+def test_without_a_compiler_the_virtual_machine_serves(run, monkeypatch):
+    monkeypatch.setattr(library.store, "compiler", lambda: None)
+    code, out, err = run("simulate", "psh", "--t-end", "0.002", "--json")
+    assert code == 0
+    assert json.loads(out)["engine"] == "CasADi virtual machine"
+    assert "no C compiler found" in err
+
+
+# --- the program itself
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"), [(["scenes", "--json"], 0), (["info", "nosuch", "--json"], 2), (["nosuch"], 2)]
+)
+def test_the_installed_program(arguments, code):
+    program = Path(sys.executable).with_name("ltcgear")
+    done = subprocess.run([program, *arguments], capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == code
+    assert "Traceback" not in done.stdout + done.stderr
+    assert bool(done.stdout) is (code == 0)
+    assert bool(done.stderr) is (code != 0)
