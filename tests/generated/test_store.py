@@ -57,7 +57,8 @@ GRAPHS = "graphs of any kind, µ, long enough to be cut in the middle and still 
 def artifact():
     signature = Signature((("x", 2, 1), ("p", 1, 1)), (("xdot", 2, 1),), 2, 7)
     manifest = Manifest(
-        store.digest([C, GRAPHS]), "rest", (State("a.u", "rad", "a", "u", "a.inertia"),), ("m.1",), (("a.inertia", "kg*m^2"),),
+        store.digest([C, GRAPHS]), "rest", (State("a.u", "rad", "a", "u", "a.inertia"),), ("m.1",),
+        (("a.inertia", "kg*m^2"),),
         (Report("speed", "a", "rad/s", "rotor"),), {"rhs": signature}, "3.8.2",
     )  # fmt: skip
     return Artifact(C, manifest, GRAPHS)
