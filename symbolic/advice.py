@@ -7,8 +7,8 @@ from .model import Model
 from .schema import Scene
 
 NEEDS = {
-    "mesh_friction": ("pitch-point", "mesh_friction", "no mesh has a friction table"),
-    "bearing_friction": ("on", "pin_friction", "no pin has a friction coefficient"),
+    "mesh_friction": ("pitch-point", "mesh_friction", "no mesh has a friction table; give one its coefficient"),
+    "bearing_friction": ("on", "pin_friction", "no pin has friction or friction_damping; give one"),
     "gravity": ("on", "gravity", "no member can move sideways"),
 }
 
@@ -25,4 +25,4 @@ def _idle_effects(scene: Scene, model: Model) -> Iterator[str]:
         if scene.effects[effect] == value and group not in groups:
             yield f"effects.{effect} = {value!r} cannot act: {reason}"
     if scene.effects["mesh_stiffness"] == "two-level" and groups & {"mesh"} and not model.levels:
-        yield "effects.mesh_stiffness = 'two-level' cannot act: no mesh has a double_factor"
+        yield "effects.mesh_stiffness = 'two-level' cannot act: no mesh has a double_factor; give one, or choose mean"

@@ -21,7 +21,7 @@ def validate(scene: Scene) -> list[str]:
         "loads": {key: {"member": load.member} for key, load in scene.loads.items()},
         "couplings": {key: {"between": item.between} for key, item in scene.couplings.items()},
     }
-    faults = [*_names(scene.stages, scene.rotors), *_references(train.members(scene), plain), *_effects(scene)]
+    faults = [*_names(scene.stages, scene.rotors), *_references(train.members(scene), plain)]
     for name, stage in scene.stages.items():
         faults += _stage(name, stage)
     if not scene.stages and not scene.rotors:
@@ -102,19 +102,6 @@ def _loads(scene: Scene) -> Iterator[str]:
         for part in ("input", "output") if isinstance(stage, Pair) and scene.loads else ():
             if getattr(stage, part).support == "floating":
                 yield f"stages.{name}.{part}: nothing holds a floating gear of a pair under load; give it a bearing"
-
-
-def _effects(scene: Scene) -> Iterator[str]:
-    """Check that effects that are called for have the numbers they need."""
-    planetary = [stage for stage in scene.stages.values() if isinstance(stage, Planetary)]
-    if scene.effects["mesh_friction"] != "off" and not any(
-        mesh.friction for stage in scene.stages.values() for _, mesh, *_ in meshes(stage)
-    ):
-        yield "effects.mesh_friction: no mesh has a friction table; give one its coefficient, or switch it off"
-    if scene.effects["bearing_friction"] != "off" and not any(
-        stage.pin.friction or stage.pin.friction_damping for stage in planetary
-    ):
-        yield "effects.bearing_friction: no pin has friction or friction_damping; give one, or switch it off"
 
 
 def _stage(name: str, stage: Planetary | Pair) -> Iterator[str]:

@@ -357,8 +357,6 @@ DEFECTS = {
         "loads.ring.initial_speed: goes with torque",
         "",
     ),
-    "friction without numbers": ("lsp", {"effects.mesh_friction": "pitch-point"}, "effects.mesh_friction:", "give one"),
-    "pin friction without numbers": ("lsp", {"effects.bearing_friction": "on"}, "effects.bearing_friction:", "give"),
     # names that refer to nothing
     "coupling end": (
         "rig-2mw",
