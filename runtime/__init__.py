@@ -7,10 +7,10 @@ _HOME = {
     "build": "library",
     "find_equilibrium": "equilibrium",
     "find_modes": "modes",
-    "integrate": "integrate",
+    "integrate": "integration",
     "load": "results",
     "save": "results",
-    "simulate": "simulate",
+    "simulate": "simulation",
 }
 __all__ = list(_HOME)
 

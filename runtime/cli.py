@@ -275,8 +275,8 @@ def run(
 ) -> dict[str, Any]:
     """Simulate a scene and write its result; return the summary."""
     from .results import check_target, save
-    from .simulate import check_options
-    from .simulate import simulate as simulate_model
+    from .simulation import check_options
+    from .simulation import simulate as simulate_model
 
     check_options(method, rtol, t_end)
     if output is not None:

@@ -10,6 +10,8 @@ from .kernel import Kernel
 from .library import Library
 
 Vector = NDArray[np.float64]
+PULL = "contact.pull"
+"""The parameter by which one-sided teeth may pull; 0 in every run."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,16 @@ def find_equilibrium(library: Library, p: Vector, levels: Vector | None = None) 
     """
     x = start_state(library, p)
     levels = mean_levels(library, x, p) if levels is None else levels
+    names = [name for name, _ in library.manifest.parameters]
+    if PULL in names:
+        # Teeth that just touch hold nothing: let them pull until the load has pressed them together.
+        pulling = np.where(np.array(names) == PULL, 1.0, p)
+        x = _newton(library, pulling, x, levels).x
+    return _newton(library, p, x, levels)
+
+
+def _newton(library: Library, p: Vector, x: Vector, levels: Vector) -> Equilibrium:
+    """Iterate from a start."""
     position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
     rhs, jacobian = Kernel(library.functions["rhs"]), Kernel(library.functions["jac_rhs"])
     scale = _force_scale(library, p)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .equilibrium import Equilibrium, inertias, state_matrix
-from .integrate import vibration_scale
+from .integration import vibration_scale
 from .library import Library
 
 Vector = NDArray[np.float64]

@@ -12,7 +12,7 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from .equilibrium import Equilibrium
-from .integrate import Trajectory
+from .integration import Trajectory
 from .kernel import Kernel, over_time
 from .library import Library
 
@@ -27,6 +27,7 @@ MARGIN = 32
 LONG_NAMES = {
     "mesh_force": "normal mesh force",
     "mesh_deflection": "mesh deflection along the line of action",
+    "mesh_contact": "whether the flanks touch, 0 or 1",
     "mesh_phase": "mesh phase: teeth of gear 1 past the line of centres",
     "mesh_level": "mesh level, 0 single and 1 double contact",
     "mesh_friction": "tangential mesh force",

@@ -4,8 +4,20 @@ from dataclasses import dataclass, field
 from math import cos, pi, sin, sqrt
 
 from . import gears, train
-from .model import BASIS, LEVEL, TURN, Body, Instance, Level, Model, Parameter, Rolling
-from .schema import Bearing, Coupling, Gear, Member, Mesh, Pair, Planetary, Rotor, Scene, TorsionalSupport
+from .model import BACK, BASIS, LEVEL, TURN, Body, Instance, Level, Model, Parameter, Rolling
+from .schema import (
+    Bearing,
+    Coupling,
+    Gear,
+    Member,
+    Mesh,
+    Pair,
+    Planetary,
+    PositionError,
+    Rotor,
+    Scene,
+    TorsionalSupport,
+)
 from .validate import meshes
 
 
@@ -195,7 +207,7 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
             draft.number(f"{planet}.y_0", distance * sin(direction), "m"),
         )
         _body(draft, planet, f"{name}.planet", stage.planet, True, name, place)
-        _pin(draft, name, i, stage, place)
+        _pin(draft, name, i, stage, _pin_place(draft, name, i, stage, direction) or place)
         for mesh_name, mesh, one, two, sigma in meshes(stage):
             gear = f"{name}.{mesh_name.split('_')[0]}"
             _mesh(
@@ -209,6 +221,18 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
                 sigma,
                 direction,
             )
+
+
+def _pin_place(draft: Draft, name: str, number: int, stage: Planetary, direction: float) -> tuple[str, str] | None:
+    """Note where a misplaced pin is; None for a pin at its nominal place."""
+    if not draft.on("planet_position_error") or not stage.position_errors:
+        return None
+    error = next((e for e in stage.position_errors if e.planet == number), PositionError(planet=number))
+    radius = gears.stage_distance(stage) + error.radial
+    x = radius * cos(direction) - error.tangential * sin(direction)
+    y = radius * sin(direction) + error.tangential * cos(direction)
+    pin = f"{name}.pin.{number}"
+    return draft.number(f"{pin}.x_0", x, "m"), draft.number(f"{pin}.y_0", y, "m")
 
 
 def _pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple[str, str]) -> None:
@@ -291,7 +315,7 @@ def _mesh(
     if draft.on("mesh_damping"):
         _mesh_damping(draft, name, mesh, bodies, geometry, mean, bind)
     kind = "external" if sigma > 0 else "internal"
-    draft.place(label, ("mesh", kind, law, switched, "c" in bind), bodies, **bind)
+    _contact(draft, name, label, mesh, bodies, (kind, law, switched, "c" in bind), bind)
     if draft.scene.effects["mesh_friction"] == "pitch-point" and mesh.friction is not None:
         bind.pop("c", None)
         bind |= {
@@ -302,6 +326,24 @@ def _mesh(
         draft.place(label, ("mesh_friction", kind, law, switched), bodies, **bind)
     if wheels[0].teeth is not None:
         _phase(draft, name, label, mesh, bodies[0], wheels[0].teeth, direction, switched)
+
+
+def _contact(
+    draft: Draft, name: str, label: str, mesh: Mesh, bodies: tuple[str, str], form: tuple[str | bool, ...],
+    bind: dict[str, str],
+) -> None:  # fmt: skip
+    """Place a mesh: bilateral, on one flank, or on both flanks with a gap before the one not loaded."""
+    contact = draft.scene.effects["contact"]
+    if contact == "bilateral":
+        draft.place(label, ("mesh", *form), bodies, **bind)
+        return
+    draft.place(label, ("mesh", *form, "one-flank"), bodies, pull=draft.number("contact.pull", 0.0, ""), **bind)
+    if contact == "backlash":
+        back = {
+            "s": draft.number(f"{name}.other_flank", -draft.parameters[f"{name}.flank"].value, ""),
+            "gap": draft.number(f"{name}.backlash", mesh.backlash, "m"),
+        }
+        draft.place(label + BACK, ("mesh", *form, "gap"), bodies, **bind | back)
 
 
 def _stiffness(

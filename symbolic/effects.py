@@ -42,6 +42,13 @@ EFFECTS: tuple[Effect, ...] = (
         "Wu et al. 2021 eqs 9-11",
     ),
     Effect(
+        "contact",
+        ("bilateral", "one-flank", "backlash"),
+        "bilateral",
+        "Tooth contact: the mesh may pull (the paper), pushes on one flank only, or on both with a gap between.",
+        "Kahraman and Singh 1990, J. Sound Vib. 142:49, for the gap",
+    ),
+    Effect(
         "mesh_damping",
         ("on", "off"),
         "on",
@@ -68,6 +75,13 @@ EFFECTS: tuple[Effect, ...] = (
         "off",
         "Friction torque of the planet bearings.",
         "Wu et al. 2021 eq 30, made dissipative",
+    ),
+    Effect(
+        "planet_position_error",
+        ("off", "on"),
+        "off",
+        "Pins that are not at their nominal place, by position_errors of a planetary stage.",
+        "geometry; load sharing under it: Kahraman 1994, Mech. Mach. Theory 29:1151",
     ),
     Effect(
         "gravity",

@@ -14,11 +14,12 @@ from ltcgear.generated.contract import Report, State
 
 from .elements import make
 from .lower import body_function, element_function
-from .model import BASIS, LEVEL, TURN, Body, Instance, Model
+from .model import BACK, BASIS, LEVEL, TURN, Body, Instance, Model
 
 QUANTITIES = {
     ("mesh", "force"): ("mesh_force", "mesh"),
     ("mesh", "deflection"): ("mesh_deflection", "mesh"),
+    ("mesh", "contact"): ("mesh_contact", "mesh"),
     ("mesh", "pressure_angle"): ("pressure_angle", "mesh"),
     ("mesh_friction", "friction"): ("mesh_friction", "mesh"),
     ("pin", "force_x"): ("pin_force_x", "pin"),
@@ -175,7 +176,7 @@ class _Assembly:
     def _bound(self, instance: Instance) -> dict[str, Any]:
         """Return the values of an element's parameters."""
         beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
-        special = {LEVEL: self.level.get(instance.name), TURN: ca.SX(0), BASIS: beta}
+        special = {LEVEL: self.level.get(instance.name.removesuffix(BACK)), TURN: ca.SX(0), BASIS: beta}
         if self.basis == "inertial":
             special |= {TURN: beta, BASIS: ca.SX(0)}
         bound = {key: special[name] if name in special else self.number[name] for key, name in instance.bind.items()}

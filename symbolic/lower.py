@@ -1,6 +1,6 @@
 """SymPy -> CasADi: expressions become graphs by a memoised walk; whatever is not known is refused."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from math import log
 from typing import Any
@@ -11,12 +11,23 @@ import sympy as sp
 from . import lagrange
 from .elements import make
 from .elements.base import LogCosh
+from .elements.contact import HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
 
 UNARY = {
     sp.sin: ca.sin, sp.cos: ca.cos, sp.tan: ca.tan, sp.atan: ca.atan, sp.tanh: ca.tanh, sp.cosh: ca.cosh,
     sp.sinh: ca.sinh, sp.log: ca.log, sp.exp: ca.exp, sp.Abs: ca.fabs,
     LogCosh: lambda z: ca.fabs(z) + ca.log1p(ca.exp(-2 * ca.fabs(z))) - log(2), sp.sign: ca.sign,
+    Step: lambda z: z > 0, Ramp: lambda z: ca.fmax(z, 0), HalfSquare: lambda z: ca.fmax(z, 0) ** 2 / 2,
 }  # fmt: skip
+
+
+def _not_below_loss(rate: Any, damping: Any, floor: Any) -> Any:  # noqa: ANN401
+    """Evaluate the pseudo-potential of a damper that is cut off at a floor."""
+    force = ca.fmax(damping * rate, floor)
+    return force * rate - force**2 / (2 * damping)
+
+
+SEVERAL: dict[Any, Callable[..., Any]] = {sp.atan2: ca.atan2, NotBelow: ca.fmax, NotBelowLoss: _not_below_loss}
 
 
 def lower(expressions: Sequence[sp.Expr], leaves: dict[sp.Symbol, Any]) -> list[Any]:
@@ -65,8 +76,8 @@ def _apply(node: sp.Basic, arguments: list[Any]) -> Any:  # noqa: ANN401
         return _power(arguments[0], node.args[1], arguments[1])
     if node.func in UNARY:
         return UNARY[node.func](arguments[0])
-    if node.func is sp.atan2:
-        return ca.atan2(*arguments)
+    if node.func in SEVERAL:
+        return SEVERAL[node.func](*arguments)
     raise TypeError(f"no CasADi counterpart for {node.func}")
 
 

@@ -9,6 +9,8 @@ import json
 from dataclasses import asdict, dataclass
 
 LEVEL, TURN, BASIS = "@level", "@turn", "@basis"
+BACK = ".back"
+"""What a mesh's name gets for the flank that is not loaded."""
 
 
 @dataclass(frozen=True)

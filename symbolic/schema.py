@@ -180,6 +180,7 @@ class Mesh(Table):
     damping: Damping | None = None
     damping_ratio: Ratio | None = None
     flank: Literal["auto", "printed", "opposite"] = "auto"
+    backlash: Bore = 0.0
     friction: Friction | None = None
 
     def faults(self) -> Iterator[str]:
@@ -201,6 +202,17 @@ class Stage(Table):
     line_of_centres: Angle = 0.0
 
 
+class PositionError(Table):
+    """How far a planet's pin lies from its place: outwards, and counter-clockwise along the pin circle.
+
+    It acts when ``planet_position_error`` is on.
+    """
+
+    planet: Annotated[int, Field(ge=1)]
+    radial: Bore = 0.0
+    tangential: Bore = 0.0
+
+
 class Planetary(Stage):
     """A planetary stage: ring, sun, carrier and equal planets."""
 
@@ -214,12 +226,16 @@ class Planetary(Stage):
     sun_planet: Mesh
     ring_planet: Mesh
     pin: PinBearing
+    position_errors: list[PositionError] = []
 
     def faults(self) -> Iterator[str]:
         """Check the planets."""
         for key in ("support", "bearing", "torsional_support", "drag"):
             if key in self.planet.model_fields_set and getattr(self.planet, key) not in (None, "floating"):
                 yield f".planet.{key}: a planet is carried by its pin alone; leave {key} out"
+        named = [error.planet for error in self.position_errors]
+        for number in sorted({n for n in named if n > self.planets or named.count(n) > 1}):
+            yield f".position_errors: planet {number} must be one of 1 to {self.planets}, each once"
         if self.planet_angles is not None and len(self.planet_angles) != self.planets:
             yield f".planet_angles: {len(self.planet_angles)} angles for planets = {self.planets}; give one a planet"
 

@@ -58,7 +58,8 @@ def title(key: Key) -> str:
     flags = [option for option in key[1:] if isinstance(option, bool)]
     extra = []
     if key[0] in ("mesh", "mesh_friction"):
-        extra = [f"{words.pop()} law", "two-level stiffness" if flags.pop(0) else "constant stiffness"]
+        extra = [f"{words.pop(1)} law", "two-level stiffness" if flags.pop(0) else "constant stiffness", *words[1:]]
+        words = words[:1]
     extra += ["damped" if flag else "undamped" for flag in flags]
     return " ".join([*words, name]) + (f" ({', '.join(extra)})" if extra else "")
 

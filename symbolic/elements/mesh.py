@@ -14,6 +14,11 @@ paper (Wu et al. 2021, eqs 7 and 23)
 
 and in both the force on body 2 is :math:`N(\sigma\sin\alpha\,\mathbf e + s\cos\alpha\,\mathbf t)`,
 the torques are :math:`-s r_1 N` and :math:`-\sigma s r_2 N` (eqs 12, 13, 25, 26).
+
+A bilateral mesh (the paper's) may pull; a one-flank mesh has :math:`N = k\langle\delta\rangle` and a damper
+that acts in contact only and never makes N negative (``pull``, 0 in every run, lets it pull while the
+loaded equilibrium is sought). Backlash is two one-flank meshes, on s and -s, whose
+gap :math:`j` (along the line of action) is taken from the deflection of the second.
 """
 
 from dataclasses import dataclass
@@ -21,6 +26,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from .base import Element, Output, Port, positive, real
+from .contact import HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
 
 SIGN = {"external": 1, "internal": -1}
 
@@ -62,11 +68,13 @@ class Geometry:
 
 ONE, TWO = Port.numbered(1), Port.numbered(2)
 R1, R2, D0, K, K1, K2, C = (positive(n) for n in ("r_1", "r_2", "d_0", "k", "k_1", "k_2", "c"))
-S, EX, EY, TURN, INV0, LEVEL = (real(n) for n in ("s", "e_x", "e_y", "Delta_gamma_0", "inv_0", "level"))
+S, EX, EY, TURN, INV0, LEVEL, GAP, PULL = (
+    real(n) for n in ("s", "e_x", "e_y", "Delta_gamma_0", "inv_0", "level", "gap", "pull")
+)
 
 UNITS = {
     R1: "m", R2: "m", D0: "m", K: "N/m", K1: "N/m", K2: "N/m", C: "N*s/m",
-    S: "", EX: "", EY: "", TURN: "rad", INV0: "rad", LEVEL: "",
+    S: "", EX: "", EY: "", TURN: "rad", INV0: "rad", GAP: "m", PULL: "", LEVEL: "",
 }  # fmt: skip
 
 
@@ -108,7 +116,7 @@ def used(*expressions: sp.Expr) -> dict[sp.Symbol, str]:
     return {symbol: unit for symbol, unit in UNITS.items() if symbol in free}
 
 
-def mesh(kind: str, law: str, switched: bool, damped: bool) -> Element:
+def mesh(kind: str, law: str, switched: bool, damped: bool, contact: str = "bilateral") -> Element:
     """Write one mesh type.
 
     Parameters
@@ -121,29 +129,43 @@ def mesh(kind: str, law: str, switched: bool, damped: bool) -> Element:
         Whether the stiffness follows a level.
     damped
         Whether a damper c acts along the line of action.
+    contact
+        ``bilateral``, ``one-flank``, or ``gap`` (one flank behind a gap).
     """
     g = geometry(kind)
-    delta, rate, k = deflection(kind, law), approach(kind), stiffness(switched)
+    delta = deflection(kind, law) - (GAP if contact == "gap" else 0)
+    rate, k = approach(kind), stiffness(switched)
     damping = C if damped else sp.S.Zero
-    force = k * delta + damping * rate
+    if contact == "bilateral":
+        potential, loss = k * delta**2 / 2, damping * rate**2 / 2
+        force = k * delta + damping * rate
+    else:
+        pull = sp.S.Zero if contact == "gap" else PULL
+        potential, loss = k * (HalfSquare(delta) + pull * HalfSquare(-delta)), sp.S.Zero
+        force = k * (Ramp(delta) - pull * Ramp(-delta))
+        if damped:
+            force += Step(delta) * NotBelow(C * rate, -k * delta)
+            loss = Step(delta) * NotBelowLoss(rate, C, -k * delta)
     nx, ny = g.normal
     wrench = (
         -force * nx, -force * ny, -S * R1 * force,
         force * nx, force * ny, -g.sigma * S * R2 * force,
     )  # fmt: skip
+    suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
     return Element(
-        name=f"mesh_{kind}_{law}" + "_switched" * switched + "_damped" * damped,
+        name=f"mesh_{kind}_{law}" + "_switched" * switched + "_damped" * damped + suffix,
         ports=(ONE, TWO),
         parameters=used(*wrench),
-        potential=k * delta**2 / 2,
-        dissipation=damping * rate**2 / 2,
+        potential=potential,
+        dissipation=loss,
         wrench=wrench,
         outputs={
             "force": Output(force, "N"),
             "deflection": Output(delta, "m"),
             "pressure_angle": Output(g.alpha, "rad"),
             "rolling": Output(ONE.theta - g.turned, "rad"),
-        },
+        }
+        | ({} if contact == "bilateral" else {"contact": Output(Step(delta), "")}),
         source="Wu et al. 2021 eqs 2-13 and 16-26; damper along the line of action: assumed form",
         gradient=law == "involute",
     )

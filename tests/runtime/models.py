@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
-from ltcgear.runtime.integrate import Trajectory, integrate
+from ltcgear.runtime.integration import Trajectory, integrate
 from ltcgear.runtime.kernel import over_time
 from ltcgear.runtime.library import Library, build
 from ltcgear.symbolic.build import build_model

@@ -9,7 +9,7 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import stepper
 from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium, mean_levels, start_state, state_matrix
-from ltcgear.runtime.integrate import integrate
+from ltcgear.runtime.integration import integrate
 from ltcgear.runtime.kernel import Kernel, over_time
 from ltcgear.runtime.library import Library, build, external
 from ltcgear.runtime.nodes import Chebyshev, Uniform

@@ -3,7 +3,7 @@
 from functools import cache
 
 import pytest
-from ltcgear.runtime.simulate import simulate
+from ltcgear.runtime.simulation import simulate
 from ltcgear.runtime.statistics import mesh_frequencies, mesh_statistics
 
 from .models import case

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ltcgear.generated.errors import LtcgearError
 
 from .equilibrium import find_equilibrium
-from .integrate import integrate
+from .integration import integrate
 from .library import Library
 from .results import energy_residual, make_dataset
 from .statistics import mesh_statistics, steady_start
