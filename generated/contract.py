@@ -9,7 +9,7 @@ function      arguments    results
 ``jac_rhs``   x, s, p, -   d xdot / d x (sparse), as CasADi expects it of ``rhs``
 ``outputs``   x, s, p      y
 ``phases``    x, p         tau, tau_rate, share
-``energy``    x, s, p      kinetic, potential [J], power put in, power lost [W]
+``energy``    x, s, p      kinetic, strain, weight [J], power put in, power lost [W]
 ============  ===========  ==========================================================
 """
 

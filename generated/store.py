@@ -1,12 +1,14 @@
 """The store: generated models and compiled libraries by content key, private to the user, put atomically."""
 
 import contextlib
+import fcntl
 import hashlib
 import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,6 +20,8 @@ from .errors import CompileError, LtcgearError
 
 FLAGS = ("-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-Wall", "-Werror")
 LIBRARIES = ("-lm",)
+PAUSE = 0.01
+SEAL = hashlib.sha256().digest_size
 
 
 def root() -> Path:
@@ -52,21 +56,53 @@ def digest(parts: Sequence[str]) -> str:
     return state.hexdigest()
 
 
+@contextlib.contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Keep other processes from changing what is in a folder; goes without where files cannot be locked."""
+    handle = None
+    try:
+        with contextlib.suppress(OSError):
+            handle = os.open(folder, os.O_RDONLY)
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        if handle is not None:
+            os.close(handle)
+
+
+def _holds(folder: Path, files: dict[str, str]) -> bool:
+    """Tell whether a folder has just these files with just these texts."""
+    try:
+        return {path.name: path.read_bytes() for path in folder.iterdir()} == {
+            name: text.encode() for name, text in files.items()
+        }
+    except OSError:
+        return False
+
+
 def put_folder(target: Path, files: dict[str, str]) -> None:
-    """Write a folder, which appears with all files or not at all and takes the place of an older one."""
+    """Write a folder, which appears with all files or not at all.
+
+    An older folder of the same content stays untouched; one of another content, or a damaged one, is replaced.
+    """
+    if _holds(target, files):
+        return
     target.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     draft = Path(tempfile.mkdtemp(dir=target.parent, prefix=".draft-"))
     try:
         (draft / "new").mkdir()
         for name, text in files.items():
             (draft / "new" / name).write_text(text, encoding="utf-8")
-        with contextlib.suppress(FileNotFoundError):
-            target.rename(draft / "replaced")
-        try:
-            (draft / "new").rename(target)
-        except OSError:
-            if not target.is_dir():  # somebody else may have put the same content in between
-                raise
+        with _alone(target.parent):
+            if _holds(target, files):  # somebody else has put the same content meanwhile
+                return
+            with contextlib.suppress(FileNotFoundError):
+                target.rename(draft / "replaced")
+            try:
+                (draft / "new").rename(target)
+            except OSError:
+                if not _holds(target, files):  # likewise, where files cannot be locked
+                    raise
     finally:
         shutil.rmtree(draft, ignore_errors=True)
 
@@ -98,23 +134,54 @@ def model_folder(key: str) -> Path:
 
 
 def put(key: str, artifact: Artifact) -> None:
-    """Keep a generated model under the key of what it was derived from."""
-    put_folder(model_folder(key), files(artifact))
+    """Keep a generated model under the key of what it was derived from.
+
+    Raises
+    ------
+    LtcgearError
+        If the store cannot be written.
+    """
+    folder = model_folder(key)
+    try:
+        put_folder(folder, files(artifact))
+    except OSError as error:
+        raise LtcgearError(
+            f"{folder}: cannot be written: {error.strerror or error}; make room or remove it, or set LTCGEAR_CACHE"
+        ) from error
+
+
+def _read(folder: Path) -> Artifact:
+    """Read a generated model; OSError if it cannot be read, ValueError if it is damaged."""
+    c, manifest, graphs = ((folder / n).read_text("utf-8") for n in ("model.c", "manifest.json", "graphs.casadi"))
+    try:
+        artifact = Artifact(c, Manifest.from_json(manifest), graphs)
+    except (LookupError, TypeError, AttributeError) as error:
+        raise ValueError("not a manifest") from error
+    if digest([c, graphs]) != artifact.manifest.key:
+        raise ValueError("not the texts that the manifest was written for")
+    return artifact
 
 
 def get(key: str) -> Artifact | None:
-    """Return the generated model of a key, None where there is none (or a damaged one, which is removed)."""
+    """Return the generated model of a key, None where there is none that can be read.
+
+    A damaged one is removed, but only once it is certain that nobody was just replacing it.
+    """
     folder = model_folder(key)
-    artifact: Artifact | None
     try:
-        c, manifest, graphs = ((folder / n).read_text("utf-8") for n in ("model.c", "manifest.json", "graphs.casadi"))
-        artifact = Artifact(c, Manifest.from_json(manifest), graphs)
-    except (FileNotFoundError, ValueError, KeyError, TypeError):
-        artifact = None
-    if artifact is None or digest([c, graphs]) != artifact.manifest.key:
-        shutil.rmtree(folder, ignore_errors=True)
-        return None
-    return artifact
+        return _read(folder)
+    except FileNotFoundError:
+        time.sleep(PAUSE)
+    except (OSError, ValueError):
+        pass
+    with _alone(folder.parent):
+        try:
+            return _read(folder)
+        except (FileNotFoundError, ValueError):
+            shutil.rmtree(folder, ignore_errors=True)
+        except OSError:  # not ours to read now, which does not mean that it is damaged
+            pass
+    return None
 
 
 @dataclass(frozen=True)
@@ -157,29 +224,54 @@ def processor() -> str:
 
 
 def library(c: str, with_compiler: Compiler) -> Path:
-    """Return the shared library of a C text, compiled on first use.
+    """Return the shared library of a C text, compiled on first use and again where the file has been damaged.
 
     Raises
     ------
     CompileError
-        If the compiler refuses it; the message names the log that was kept.
+        If the compiler refuses it; the message names the log that was kept. Or if the store cannot be written.
     """
     command = [with_compiler.path, *FLAGS]
     key = digest([c, with_compiler.path, with_compiler.version, *command, *LIBRARIES, processor()])
     folder = root() / "libraries"
     target = folder / f"{key}.so"
-    if target.exists():
+    if _sealed(target):
         return target
-    folder.mkdir(mode=0o700, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".draft-") as draft:
+    try:
+        folder.mkdir(mode=0o700, exist_ok=True)
+        _compile(command, c, target)
+    except OSError as error:
+        raise CompileError(f"{target}: cannot be made: {error}; make room or set LTCGEAR_CACHE") from error
+    return target
+
+
+def _compile(command: list[str], c: str, target: Path) -> None:
+    """Compile a C text; the library appears whole or not at all."""
+    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".draft-") as draft:
         source, built = Path(draft, "model.c"), Path(draft, "model.so")
         source.write_text(c, encoding="utf-8")
         run = subprocess.run(
             [*command, str(source), "-o", str(built), *LIBRARIES], capture_output=True, text=True, check=False
         )
         if run.returncode != 0:
-            log = folder / f"{key}.log"
+            log = target.with_suffix(".log")
             log.write_text(f"{' '.join(run.args)}\n{run.stdout}{run.stderr}", encoding="utf-8")
-            raise CompileError(f"{with_compiler.path} refused the generated C (exit code {run.returncode}); log: {log}")
+            raise CompileError(f"{command[0]} refused the generated C (exit code {run.returncode}); log: {log}")
+        _seal(built)
         built.replace(target)
-    return target
+
+
+def _seal(path: Path) -> None:
+    """Append a file's digest to it; the loader of shared libraries does not mind."""
+    seal = hashlib.sha256(path.read_bytes()).digest()
+    with path.open("ab") as file:
+        file.write(seal)
+
+
+def _sealed(path: Path) -> bool:
+    """Tell whether a file is whole: to load one that was cut can end the process by a signal, without exception."""
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return False
+    return hashlib.sha256(data[:-SEAL]).digest() == data[-SEAL:]

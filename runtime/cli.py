@@ -1,18 +1,15 @@
 """The command line, the one place that knows all three parts: scene -> model -> C -> results."""
 
-import json
-import math
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 from ltcgear.generated import store
 from ltcgear.generated.contract import Artifact
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, SolverError
 
 from . import present
 from .progress import progress
@@ -23,7 +20,12 @@ if TYPE_CHECKING:
 
     from .library import Library
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False)
+# Plain help: rich would take "[s]" for markup and drop it.
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+#: What typer raises for a command line that it cannot read; BadParameter alone of the family is public.
+UsageError = cast(type[typer.BadParameter], typer.BadParameter.__base__)
+INTERRUPTED = 130
+SHORTEST_PAPER = 0.2  # [s]: half of it must hold some turns of the slowest mesh for tables and spectra
 
 SceneName = Annotated[
     str, typer.Argument(metavar="SCENE", help="A shipped scene (see `ltcgear scenes`) or a TOML file.")
@@ -39,10 +41,17 @@ MaybeScene = Annotated[str | None, typer.Argument(metavar="[SCENE]", help="The s
 Sources = Annotated[bool, typer.Option("--sources", help="Say where each number comes from.")]
 Printed = Annotated[bool, typer.Option("--paper", help="Compare the paper's printed equations with the derivation.")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Derive again even if the store has it.")]
-CFolder = Annotated[Path | None, typer.Option("-o", "--output", help="Folder for C and manifest.")]
-ResultFile = Annotated[Path | None, typer.Option("-o", "--output", help="NetCDF4 file to write.")]
+CFolder = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Folder for C and manifest.", show_default="the store's")
+]
+ResultFile = Annotated[
+    Path | None, typer.Option("-o", "--output", help="NetCDF4 file to write, .nc.", show_default="none")
+]
 ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for result and figures.")]
-EndTime = Annotated[float | None, typer.Option("--t-end", help="Time to simulate [s].")]
+EndTime = Annotated[
+    float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")
+]
+PaperEnd = Annotated[float, typer.Option("--t-end", help=f"Time to simulate [s], {SHORTEST_PAPER} at least.")]
 Method = Annotated[str, typer.Option("--method", help="erk, cvodes, idas or rosenbrock.")]
 Oversample = Annotated[
     int, typer.Option("--oversample", min=1, max=64, help="Samples per sample kept; filters accelerations.")
@@ -78,13 +87,14 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False)
     from ltcgear.symbolic.advice import warnings
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import content_key, generate
+    from ltcgear.symbolic.report import load_warnings
     from ltcgear.symbolic.scene import load_scene
 
     clock = perf_counter()
     scene = load_scene(name, _changes(changes))
     model = build_model(scene)
     seconds = {"load": perf_counter() - clock}
-    for line in warnings(scene, model):
+    for line in [*warnings(scene, model), *load_warnings(scene)]:
         print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
     key = content_key(model)
     artifact = None if fresh else store.get(key)
@@ -104,23 +114,6 @@ def compile_model(opened: Opened) -> "Library":
     if library.path is None:
         print(NO_COMPILER, file=sys.stderr)
     return library
-
-
-def _finite(data: Any) -> Any:  # noqa: ANN401
-    """Replace numbers that JSON does not know by null."""
-    if isinstance(data, dict):
-        return {key: _finite(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [_finite(value) for value in data]
-    return None if isinstance(data, float) and not math.isfinite(data) else data
-
-
-def _print(as_json: bool, data: dict[str, Any], show: Callable[[dict[str, Any]], None]) -> None:
-    """Print as JSON, or for people."""
-    if as_json:
-        print(json.dumps(_finite(data), allow_nan=False))
-    else:
-        show(data)
 
 
 def _version(wanted: bool) -> None:
@@ -147,7 +140,7 @@ def scenes(as_json: AsJson = False) -> None:
     from ltcgear.symbolic.scene import load_scene, shipped_scenes
 
     listed = [{"name": name, "title": load_scene(name).title} for name in shipped_scenes()]
-    _print(as_json, {"scenes": listed}, present.scenes)
+    present.show(as_json, {"scenes": listed}, present.scenes)
 
 
 @app.command()
@@ -158,16 +151,18 @@ def effects(as_json: AsJson = False) -> None:
     listed = [
         {"name": e.name, "values": e.values, "default": e.default, "help": e.help, "source": e.source} for e in EFFECTS
     ]
-    _print(as_json, {"effects": listed}, present.effects)
+    present.show(as_json, {"effects": listed}, present.effects)
 
 
 @app.command()
 def info(scene: SceneName, sources: Sources = False, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Describe a scene's model: freedoms, states, effects, operations, static mesh forces."""
+    """Describe a scene: freedoms, geometry, motion, forces, loads."""
+    from ltcgear.symbolic.report import describe
+
     opened = open_scene(scene, changes)
     manifest = opened.artifact.manifest
     rigid = [s for s in manifest.states if not s.name.endswith(".rate") and not s.name.startswith("reference.")]
-    data = {
+    data: dict[str, Any] = {
         "scene": opened.scene.name,
         "title": opened.scene.title,
         "dof": len(rigid) + any(s.name == "reference.speed" for s in manifest.states),
@@ -183,23 +178,26 @@ def info(scene: SceneName, sources: Sources = False, changes: Changes = None, as
             for p in opened.model.parameters
             if p.name.endswith(".speed_ratio")
         },
+        **describe(opened.scene),
     }
     if sources:
         data["sources"] = dict(opened.scene.sources)
-    _print(as_json, data, present.info)
+    present.show(as_json, data, present.info)
 
 
 @app.command()
 def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Check the equations of a scene (exit code 1 if one fails), or the paper's printed equations."""
-    if paper == (scene is not None):
+    """Check a scene's equations, or those the paper prints. Exit code 1 if a check fails."""
+    if paper and scene is not None:
+        raise LtcgearError(f"check: both {scene} and --paper were given; give one of them")
+    if not paper and scene is None:
         raise LtcgearError("check: give a SCENE, or --paper")
     if paper:
         from dataclasses import asdict
 
         from ltcgear.symbolic.checks.paper import check_paper
 
-        _print(as_json, {"equations": [asdict(verdict) for verdict in check_paper()]}, present.paper_verdicts)
+        present.show(as_json, {"equations": [asdict(verdict) for verdict in check_paper()]}, present.paper_verdicts)
         return
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.checks.run import check_model
@@ -217,7 +215,7 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
         for c in results
     ]
     passed = all(item["passed"] for item in listed)
-    _print(as_json, {"passed": passed, "checks": listed}, present.checks)
+    present.show(as_json, {"passed": passed, "checks": listed}, present.checks)
     if not passed:
         raise typer.Exit(1)
 
@@ -226,7 +224,7 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
 def generate(
     scene: SceneName, output: CFolder = None, fresh: Fresh = False, changes: Changes = None, as_json: AsJson = False
 ) -> None:
-    """Derive, check, emit and compile a scene's C (kept in the store; a copy with -o)."""
+    """Derive, check, emit and compile a scene's C. It is kept in the store; -o makes a copy."""
     opened = open_scene(scene, changes, fresh)
     library = compile_model(opened)
     files = store.files(opened.artifact)
@@ -242,7 +240,7 @@ def generate(
         "seconds": dict.fromkeys(("derive", "check", "emit"), 0.0) | opened.seconds,
         "key": opened.key,
     }
-    _print(as_json, data, present.generated)
+    present.show(as_json, data, present.generated)
 
 
 @app.command()
@@ -256,12 +254,16 @@ def simulate(
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Simulate a scene from its loaded equilibrium; with -o, write the result as NetCDF4."""
+    """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4."""
     summary = run(scene, changes, output, t_end, method, rtol, oversample)
-    _print(as_json, summary, present.simulated)
+    present.show(as_json, summary, present.simulated)
+    _finished(summary)
+
+
+def _finished(summary: dict[str, Any]) -> None:
+    """Stop with the reason, where a simulation did not reach its end."""
     if summary["status"] != "done":
-        print(f"ltcgear: {summary['status']}", file=sys.stderr)
-        raise typer.Exit(3)
+        raise SolverError(summary["status"])
 
 
 def run(
@@ -281,6 +283,8 @@ def run(
     check_options(method, rtol, t_end)
     if output is not None:
         check_target(output)
+        if output.suffix != ".nc":
+            raise LtcgearError(f"{output}: results are NetCDF4 files; name it {output.with_suffix('.nc')}")
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
@@ -311,7 +315,7 @@ def run(
 
 @app.command()
 def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) -> None:
-    """List eigenfrequencies and damping of a scene at its loaded equilibrium."""
+    """List eigenfrequencies and damping at the loaded equilibrium."""
     from .equilibrium import find_equilibrium
     from .modes import find_modes
 
@@ -328,25 +332,28 @@ def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) ->
         }
         for m in found
     ]
-    _print(as_json, {"scene": opened.scene.name, "modes": listed}, present.modes)
+    present.show(as_json, {"scene": opened.scene.name, "modes": listed}, present.modes)
 
 
 @app.command()
 def paper(
     output: ResultFolder = Path("out"),
-    t_end: EndTime = 4.0,
+    t_end: PaperEnd = 4.0,
     method: Method = "erk",
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Simulate the paper's test rig and set its tables and figures beside the printed ones."""
+    """Simulate the paper's test rig. Sets its tables and figures beside the printed ones."""
     from .comparison import compare
     from .plots import overview_figure, paper_figures
     from .results import load, make_folder
 
+    if not t_end >= SHORTEST_PAPER:
+        raise LtcgearError(f"--t-end {t_end:g}: the paper's tables need {SHORTEST_PAPER} s at least")
     make_folder(output)
     file = output / "rig-2mw.nc"
     summary = run("rig-2mw", changes, file, t_end, method, 1e-6, oversample=8)
+    _finished(summary)
     dataset = load(file)
     tables = compare(dataset)
     figures = [*paper_figures(dataset, output), overview_figure(dataset, output / "overview.png")]
@@ -355,16 +362,21 @@ def paper(
         "tables": {name: table.to_json() for name, table in tables.items()},
         "files": [str(file), *(str(figure) for figure in figures)],
     }
-    _print(as_json, data, lambda shown: present.paper_run(shown, tables))
+    present.show(as_json, data, lambda shown: present.paper_run(shown, tables))
 
 
 def main() -> None:
     """Run the command line; errors become one message and an exit code."""
     try:
-        app()
+        code = app(standalone_mode=False) or 0
     except LtcgearError as error:
         print(f"ltcgear: {error}", file=sys.stderr)
-        sys.exit(error.exit_code)
-    except KeyboardInterrupt:
+        code = error.exit_code
+    except UsageError as error:
+        error.show()
+        code = error.exit_code
+    except (KeyboardInterrupt, typer.Abort):
+        code = INTERRUPTED
+    if code == INTERRUPTED:
         print("ltcgear: stopped; nothing half-written was left", file=sys.stderr)
-        sys.exit(130)
+    sys.exit(code)

@@ -10,6 +10,9 @@ from .kernel import Kernel
 from .library import Library
 
 Vector = NDArray[np.float64]
+UNREACHABLE = "no equilibrium: a centre distance falls below the base circles' sum; check center_distance and stiffness"
+ROUNDING = 1e-8
+"""Deflection [m], [rad] whose force is what forces out of balance are compared with, where nothing else acts."""
 PULL = "contact.pull"
 """The parameter by which one-sided teeth may pull; 0 in every run."""
 
@@ -86,31 +89,38 @@ def find_equilibrium(library: Library, p: Vector, levels: Vector | None = None) 
 
 
 def _newton(library: Library, p: Vector, x: Vector, levels: Vector) -> Equilibrium:
-    """Iterate from a start."""
+    """Iterate from a start until the forces balance to rounding."""
     position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
+    if not len(position):
+        raise SolverError("nothing can vibrate: every freedom of the scene is held; free a member or add one")
     rhs, jacobian = Kernel(library.functions["rhs"]), Kernel(library.functions["jac_rhs"])
-    scale = _force_scale(library, p)
-    step = np.inf
+    load = np.abs(rhs(start_state(library, p), levels, p)[0][rate] * mass)
+    best = np.inf
     for iteration in range(60):
         force = np.asarray(rhs(x, levels, p)[0][rate] * mass)
-        residual = float(np.abs(force).max(initial=0.0)) / scale
-        if residual < 1e-12 or (residual < 1e-7 and step < 1e-12):
-            return Equilibrium(x, levels, residual, iteration)
         stiffness = -_dense(library, jacobian(x, levels, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
-        delta = _solve(library, stiffness, force, mass)
-        step = float(np.abs(delta).max())
-        x = _advance(rhs, x, position, delta, levels, p)
+        if not (np.isfinite(force).all() and np.isfinite(stiffness).all()):
+            raise SolverError(UNREACHABLE)
+        residual = _residual(library, force, np.abs(stiffness) @ (np.abs(x[position]) + ROUNDING) + load)
+        if residual < 1e-13 or (residual < 1e-8 and residual > 0.3 * best):
+            return Equilibrium(x, levels, residual, iteration)
+        best = min(best, residual)
+        x = _advance(rhs, x, position, _solve(library, stiffness, force, mass), levels, p)
     raise SolverError(
         f"no equilibrium: after 60 Newton steps the forces are out of balance by {residual:.1e} of their size; "
         "check loads, stiffnesses and centre distances"
     )
 
 
-def _force_scale(library: Library, p: Vector) -> float:
-    """Return the largest torque of the scene (at least 1), to compare forces out of balance with."""
-    units = {"N*m": 1.0}
-    torques = [abs(value) for (_, unit), value in zip(library.manifest.parameters, p, strict=True) if unit in units]
-    return float(max([1.0, *torques]))
+def _residual(library: Library, force: Vector, size: Vector) -> float:
+    """Return the largest force or torque out of balance over the size of what is in balance there.
+
+    A freedom at which nothing acts is measured by the largest of its kind.
+    """
+    kinds = np.array([library.manifest.states[i].axis == "u" for i in library.index("")])
+    for kind in (True, False):
+        size[kinds == kind] = np.maximum(size[kinds == kind], 1e-3 * size[kinds == kind].max(initial=0.0))
+    return float(np.max(np.divide(np.abs(force), size, out=np.zeros_like(force), where=force != 0)))
 
 
 def _dense(library: Library, nonzeros: Vector) -> Vector:
@@ -159,6 +169,4 @@ def _advance(rhs: Kernel, x: Vector, position: NDArray[np.int64], delta: Vector,
         if np.isfinite(rhs(trial, levels, p)[0]).all():
             return trial
         delta = delta / 2
-    raise SolverError(
-        "no equilibrium: a centre distance falls below the base circles' sum; check center_distance and stiffness"
-    )
+    raise SolverError(UNREACHABLE)

@@ -9,6 +9,7 @@ from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
 from .equilibrium import Equilibrium, inertias, state_matrix
+from .extremes import MeshExtremes
 from .kernel import Kernel
 from .library import Library
 from .nodes import Chebyshev, Nodes, Uniform
@@ -36,7 +37,9 @@ class Trajectory:
     counts
         Steps, right-hand sides, Jacobians, segments, events.
     expected_events
-        Switchings that the mesh phases call for, from kinematics.
+        Switchings between the first and the last mesh phases; None if a mesh has turned back in between.
+    extremes
+        Smallest and largest mesh forces.
     status
         ``done``, or why it stopped and what to do.
     end
@@ -52,7 +55,8 @@ class Trajectory:
     jump_energy: float
     energy: tuple[float, float]
     counts: Counts
-    expected_events: int
+    expected_events: int | None
+    extremes: MeshExtremes
     status: str
     end: float
     seconds: dict[str, float]
@@ -66,8 +70,8 @@ def vibration_scale(library: Library, at: Equilibrium, p: Vector) -> Vector:
     tolerance thus refers to deflections of about a hundredth of the static ones.
     """
     position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
-    potential = float(Kernel(library.functions["energy"])(at.x, at.levels, p)[0][1])
-    energy = 1e-4 * potential / len(mass) if potential > 1e-9 else 1e-6
+    strain = float(Kernel(library.functions["energy"])(at.x, at.levels, p)[0][1])
+    energy = 1e-4 * strain / len(mass) if strain > 1e-9 else 1e-6
     diagonal = -np.diag(state_matrix(library, at.x, at.levels, p)[np.ix_(rate, position)]) * mass
     speed = np.sqrt(2 * energy / mass)
     floor = float(np.max(diagonal / mass)) * 1e-8 * mass
@@ -101,7 +105,9 @@ class _Run:
         self.z = np.zeros(len(at.x))
         self.cells: Cells = cells_of(self.phases(self.z))
         self.first_cells = self.cells
-        self.work = self.jump_energy = 0.0
+        self.work = self.jump_energy = self.time = 0.0
+        self.reversed = False
+        self.extremes = MeshExtremes(library, p, len(self.nodes.points), samples / rate / 2)
 
     def _layout(self, method: str, samples: int, rate: float) -> tuple[Nodes, float]:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches, else Chebyshev.
@@ -121,9 +127,9 @@ class _Run:
         return Phases(tau.copy(), rate.copy(), share.copy())
 
     def energy(self, z: Vector, cells: Cells) -> float:
-        """Return kinetic and potential energy [J]."""
+        """Return kinetic and potential energy [J], weight included."""
         balance = self.energy_kernel(self.frame.origin + self.frame.scale * z, levels_of(cells), self.p)[0]
-        return float(balance[0] + balance[1])
+        return float(balance[0] + balance[1] + balance[2])
 
     def segment(self, left: float) -> tuple[float, Vector, Vector]:
         """Integrate to the next switching instant, ``left`` seconds at most; return duration, path, levels.
@@ -132,6 +138,8 @@ class _Run:
         """
         now, levels = self.phases(self.z), levels_of(self.cells)
         duration = min(time_to_border(self.cells, now), self.longest, left if len(levels) else self.longest)
+        if duration <= 0:
+            raise RuntimeError("two switching instants of one mesh fall together; check its contact ratio")
         for _ in range(20):
             path, work = self.stepper.advance(self.z, duration, self.frame.origin, levels)
             after = self.phases(path[-1])
@@ -141,8 +149,12 @@ class _Run:
             duration *= part  # the rates were not constant: go back to the segment's start with a shorter one
         else:
             raise RuntimeError("a switching instant could not be located in 20 trials")
+        self.reversed |= bool((now.rate * after.rate < 0).any())
         path = np.vstack([self.z, path])
         self._note(path, work, cells)
+        states = self.frame.origin + self.frame.scale * path
+        self.extremes.note(states, levels, self.time + duration * self.nodes.points)
+        self.time += duration
         return duration, path, levels
 
     def _note(self, path: Vector, work: float, cells: Cells) -> None:
@@ -197,6 +209,9 @@ def integrate(
         except RuntimeError as error:
             status = _reason(method, rtol, now, error)
             break
+        except KeyboardInterrupt:
+            status = f"interrupted at t = {now:.6g} s; what was computed until then is kept"
+            break
         last = done + int(np.searchsorted(time[done:], now + duration * (1 + 1e-12), side="right"))
         if done < last:
             inside = run.nodes.matrix((time[done:last] - now) / duration)
@@ -206,11 +221,14 @@ def integrate(
         if perf_counter() - shown > 0.1:
             shown = perf_counter()
             told(now)
-    expected = int(np.abs(cells_of(run.phases(run.z)) - run.first_cells).sum())
+    expected = None if run.reversed else int(np.abs(cells_of(run.phases(run.z)) - run.first_cells).sum())
+    if status == "done" and expected not in (None, run.stepper.counts.events):
+        status = f"{run.stepper.counts.events} stiffness switchings, not the {expected} of kinematics: not to be used"
     energy = run.energy(np.zeros_like(run.z), run.first_cells), run.energy(run.z, run.cells)
     return Trajectory(
-        time[:done], x[:done], levels[:done], run.work, run.jump_energy, energy, run.stepper.counts, expected, status,
-        min(now, float(time[-1])), {"prepare": prepared - clock, "integrate": perf_counter() - prepared},
+        time[:done], x[:done], levels[:done], run.work, run.jump_energy, energy, run.stepper.counts, expected,
+        run.extremes, status, min(now, float(time[-1])),
+        {"prepare": prepared - clock, "integrate": perf_counter() - prepared},
     )  # fmt: skip
 
 

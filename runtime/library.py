@@ -1,17 +1,23 @@
 """Build: Artifact -> Library, the generated functions ready to call, compiled where there is a compiler."""
 
-from collections.abc import Mapping
+import shutil
+import tempfile
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
+from typing import TypeVar
 
 import casadi as ca
 import numpy as np
 from ltcgear.generated import store
 from ltcgear.generated.contract import FUNCTIONS, Artifact, Manifest
+from ltcgear.generated.errors import CompileError
 from numpy.typing import NDArray
 
+Loaded = TypeVar("Loaded")
 Vector = NDArray[np.float64]
+UNLOADABLE = (OSError, RuntimeError, AttributeError)
 NO_COMPILER = "no C compiler found: running on CasADi's virtual machine (install gcc or clang for full speed)"
 
 
@@ -65,13 +71,47 @@ def build(artifact: Artifact) -> Library:
     Raises
     ------
     CompileError
-        If there is a compiler and it fails; there is no silent fallback.
+        If there is a compiler and it fails, or what it makes cannot be loaded; there is no silent fallback.
     """
     compiler = store.compiler()
     if compiler is None:
         return Library(artifact.manifest, None, _graphs(artifact), artifact)
-    path = store.library(artifact.c, compiler)
-    return Library(artifact.manifest, path, external(path), artifact)
+    make = partial(store.library, artifact.c, compiler)
+    functions = load(make, external)
+    return Library(artifact.manifest, make(), functions, artifact)
+
+
+def load(make: Callable[[], Path], loader: Callable[[Path], Loaded]) -> Loaded:
+    """Load a compiled library; where that fails, delete it, compile it once more and load that.
+
+    Parameters
+    ----------
+    make
+        Returns where the library is, compiled if it is not there.
+    loader
+        Loads it; an error of ``UNLOADABLE`` where that fails.
+
+    Raises
+    ------
+    CompileError
+        If the library that was just compiled cannot be loaded either.
+    """
+    path = make()
+    try:
+        return loader(path)
+    except UNLOADABLE:
+        pass  # leave the handler: its traceback may hold parts of the library
+    try:
+        path.unlink(missing_ok=True)
+        path = make()
+        # What was once loaded from a path stands for that path until the process ends: load from another.
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".draft-") as folder:
+            return loader(Path(shutil.copy(path, folder)))
+    except UNLOADABLE as error:
+        raise CompileError(
+            f"{path}: cannot be loaded, not even compiled afresh; if programs may not run from there (noexec), "
+            f"set LTCGEAR_CACHE to another folder; the loader says: {error}"
+        ) from error
 
 
 def external(path: Path) -> dict[str, ca.Function]:

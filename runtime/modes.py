@@ -3,17 +3,21 @@
 from dataclasses import dataclass
 
 import numpy as np
+from ltcgear.generated.contract import State
 from numpy.typing import NDArray
 
-from .equilibrium import Equilibrium, inertias, state_matrix
+from .equilibrium import Equilibrium, state_matrix
 from .integration import vibration_scale
 from .library import Library
 
 Vector = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 RIGID = 1e-6
 """A mode below this fraction of the highest frequency is a rigid-body mode."""
 SHARE = 1e-6
 """Share of kinetic energy below which a group of freedoms counts as standing still."""
+ROUNDING = 1e-12
+"""A real part below this fraction of the highest eigenvalue is rounding: the mode has no damping."""
 
 
 @dataclass(frozen=True)
@@ -23,18 +27,29 @@ class Mode:
     Attributes
     ----------
     frequency_hz, damping_ratio
-        Modulus of the eigenvalue over 2 pi, and minus its real part over its modulus.
+        Modulus of the eigenvalue over 2 pi, and minus its real part over its modulus; negative where the
+        motion grows.
     kind
         ``rigid``, ``torsional`` (nothing moves sideways), ``rotational`` (central members only turn),
-        ``translational`` (they only shift), ``planet`` (they stand still) or ``mixed``.
+        ``translational`` (they only shift), ``planet`` (they stand still), ``mixed``, or ``divergent`` (grows
+        without oscillating).
     energy
-        Share of kinetic energy by body, largest first.
+        Share of kinetic energy, largest first, by body and motion: ``sun shifting``, ``sun turning``.
     """
 
     frequency_hz: float
     damping_ratio: float
     kind: str
     energy: dict[str, float]
+
+
+@dataclass(frozen=True)
+class _Motions:
+    """The motions that store kinetic energy: their states, inertias, and matrix @ x, the motions of a state."""
+
+    states: list[State]
+    mass: Vector
+    matrix: Vector
 
 
 def find_modes(library: Library, at: Equilibrium, p: Vector) -> list[Mode]:
@@ -49,65 +64,104 @@ def find_modes(library: Library, at: Equilibrium, p: Vector) -> list[Mode]:
     ]
     scale = vibration_scale(library, at, p)[kept]
     matrix = state_matrix(library, at.x, at.levels, p)[np.ix_(kept, kept)]
-    values, vectors = np.linalg.eig(matrix * scale[None, :] / scale[:, None])
-    vectors = vectors * scale[:, None]
+    found = np.linalg.eig(matrix * scale[None, :] / scale[:, None])
+    values: Complex = found.eigenvalues.astype(np.complex128)
+    motions = _motions(library, at, p)
+    shapes: Complex = (motions.matrix[:, kept] @ (found.eigenvectors * scale[:, None])).astype(np.complex128)
     top = float(np.abs(values).max())
-    row = {original: new for new, original in enumerate(kept)}
-    position = [row[i] for i in library.index("")]
-    mass = inertias(library, p)
-    modes = [
-        _mode(library, value, vectors[position, k], mass, top)
-        for k, value in enumerate(values)
-        if value.imag > 0 and abs(value) > RIGID * top
-    ]
-    modes += _overdamped(library, values, vectors[position], mass, top)
-    loose = int((np.abs(values) <= RIGID * top).sum())
-    rigid = [Mode(0.0, 0.0, "rigid", {}) for _ in range((loose + 1) // 2)]
+    elastic = np.abs(values) > RIGID * top
+    modes = [_mode(motions, values[k], shapes[:, k], top) for k in np.flatnonzero(elastic & (values.imag > 0))]
+    modes += _real_modes(motions, values, shapes, np.flatnonzero(elastic & (values.imag == 0)), top)
+    rigid = [Mode(0.0, 0.0, "rigid", {}) for _ in range((int((~elastic).sum()) + 1) // 2)]
     return rigid + sorted(modes, key=lambda mode: mode.frequency_hz)
 
 
-def _overdamped(library: Library, values: Vector, shapes: Vector, mass: Vector, top: float) -> list[Mode]:
-    """Join the real eigenvalues whose shapes are alike: omega^2 = l1 l2, zeta = -(l1 + l2) / 2 omega."""
-    real = [k for k in np.argsort(-np.abs(values)) if values[k].imag == 0 and abs(values[k]) > RIGID * top]
-    unit = np.sqrt(mass)[:, None] * shapes.real
+def _motions(library: Library, at: Equilibrium, p: Vector) -> _Motions:
+    """Describe the absolute motions: where no speed is held, the reference angle carries everything along."""
+    everything = library.manifest.states
+    names = [state.name for state in everything]
+    number = {name: float(value) for (name, _), value in zip(library.manifest.parameters, p, strict=True)}
+    position = library.index("")
+    states = [everything[i] for i in position]
+    if library.manifest.reference == "torque":
+        states.append(everything[names.index("reference.speed")])
+    matrix = np.zeros((len(states), len(names)))
+    matrix[np.arange(len(position)), position] = 1.0
+    if library.manifest.reference == "torque":
+        place = dict(zip(names, at.x, strict=True))
+        matrix[:, names.index("reference.angle")] = [_carried(state, number, place) for state in states]
+    return _Motions(states, np.array([number[state.inertia] for state in states]), matrix)
+
+
+def _carried(state: State, number: dict[str, float], place: dict[str, float]) -> float:
+    """Return how far a unit of reference angle carries a body along an axis, in the axes of its frame.
+
+    Angles follow by the speed ratio; a planet is carried round by its frame, which turns with its carrier.
+    """
+    if state.axis not in ("x", "y"):
+        return number.get(f"{state.inertia.removesuffix('.inertia')}.speed_ratio", 0.0)
+    turn = number.get(f"{state.body.split('.')[0]}.carrier.speed_ratio", 0.0)
+    other, sign = ("y", -1.0) if state.axis == "x" else ("x", 1.0)
+    return sign * turn * (number.get(f"{state.body}.{other}_0", 0.0) + place[f"{state.body}.{other}"])
+
+
+def _real_modes(motions: _Motions, values: Complex, shapes: Complex, real: NDArray[np.int64], top: float) -> list[Mode]:
+    """Describe the real eigenvalues: two that decay in like shapes are one overdamped mode.
+
+    Such a pair has omega^2 = l1 l2 and zeta = -(l1 + l2) / 2 omega. One that grows stands alone, as does
+    the one that decays in its shape, and one without a partner.
+    """
+    unit = np.sqrt(motions.mass)[:, None] * shapes.real
     unit = unit / np.maximum(np.linalg.norm(unit, axis=0), 1e-300)
+    left = sorted(real.tolist(), key=lambda k: -abs(values[k]))
     modes = []
-    while len(real) > 1:
-        one = real.pop(0)
-        two = max(real, key=lambda k: abs(float(unit[:, one] @ unit[:, k])))
-        real.remove(two)
-        omega = float(np.sqrt(abs((values[one] * values[two]).real)))
-        damping = float(-(values[one] + values[two]).real / 2 / omega)
-        kind, energy = _shape(library, shapes[:, two], mass)
-        modes.append(Mode(omega / (2 * np.pi), damping, kind, energy))
+    while left:
+        one = left.pop(0)
+        two = max(left, key=lambda k: abs(float(unit[:, one] @ unit[:, k])), default=None)
+        alone = [one]
+        if two is not None:
+            left.remove(two)
+            alone = [one, two]
+            if max(values[one].real, values[two].real) < 0:
+                modes.append(_overdamped(motions, values[one].real, values[two].real, shapes[:, two]))
+                continue
+        modes += [_mode(motions, values[k], shapes[:, k], top) for k in alone]
     return modes
 
 
-def _mode(library: Library, value: complex, shape: Vector, mass: Vector, top: float) -> Mode:
-    """Describe one oscillating mode."""
-    kind, energy = _shape(library, shape, mass)
-    return Mode(float(abs(value)) / (2 * np.pi), float(-value.real / abs(value)), kind, energy)
+def _overdamped(motions: _Motions, one: float, two: float, shape: Complex) -> Mode:
+    """Describe one overdamped mode."""
+    omega = float(np.sqrt(one * two))
+    return Mode(omega / (2 * np.pi), -(one + two) / 2 / omega, *_shape(motions, shape))
 
 
-def _shape(library: Library, shape: Vector, mass: Vector) -> tuple[str, dict[str, float]]:
+def _mode(motions: _Motions, value: complex, shape: Complex, top: float) -> Mode:
+    """Describe the mode of one eigenvalue, of its conjugate too where it is complex."""
+    kind, energy = _shape(motions, shape)
+    if value.imag == 0 and value.real > 0:
+        kind = "divergent"
+    damping = 0.0 if abs(value.real) < ROUNDING * top else -float(value.real) / float(abs(value))
+    return Mode(float(abs(value)) / (2 * np.pi), damping, kind, energy)
+
+
+def _shape(motions: _Motions, shape: Complex) -> tuple[str, dict[str, float]]:
     """Classify a mode shape by the kinetic energy of its parts."""
-    energy = mass * np.abs(shape) ** 2
+    energy = motions.mass * np.abs(shape) ** 2
     energy = energy / energy.sum()
-    states = [library.manifest.states[i] for i in library.index("")]
-    groups = {"shift": 0.0, "turn": 0.0, "planet_shift": 0.0, "planet_turn": 0.0}
-    bodies: dict[str, float] = {}
-    for state, share in zip(states, energy, strict=True):
-        group = ("planet_" if ".planet." in state.body else "") + ("turn" if state.axis == "u" else "shift")
-        groups[group] += float(share)
-        bodies[state.body] = bodies.get(state.body, 0.0) + float(share)
-    ordered = dict(sorted(bodies.items(), key=lambda item: -item[1]))
-    return _kind(groups), ordered
+    groups = {"shifting": 0.0, "turning": 0.0, "planet shifting": 0.0, "planet turning": 0.0}
+    parts: dict[str, float] = {}
+    for state, share in zip(motions.states, energy.tolist(), strict=True):
+        motion = "shifting" if state.axis in ("x", "y") else "turning"
+        groups[("planet " if ".planet." in state.body else "") + motion] += share
+        part = f"{state.body} {motion}"
+        parts[part] = parts.get(part, 0.0) + share
+    return _kind(groups), dict(sorted(parts.items(), key=lambda item: -item[1]))
 
 
 def _kind(groups: dict[str, float]) -> str:
     """Name the class of a mode from its energy shares (Lin and Parker 1999 for planetary gears)."""
-    shift, turn = groups["shift"] > SHARE, groups["turn"] > SHARE
-    if not shift and groups["planet_shift"] <= SHARE:
+    shift, turn = groups["shifting"] > SHARE, groups["turning"] > SHARE
+    if not shift and groups["planet shifting"] <= SHARE:
         return "torsional"
     if not shift and not turn:
         return "planet"

@@ -1,7 +1,11 @@
-"""What people read on the terminal: rich tables of the same data that --json prints."""
+"""What commands print: one JSON object, or rich tables of the same data for people."""
 
+import json
+import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
 from rich.padding import Padding
@@ -13,16 +17,41 @@ if TYPE_CHECKING:
 Data = dict[str, Any]
 
 
+def show(as_json: bool, data: Data, for_people: Callable[[Data], None]) -> None:
+    """Print as JSON, or for people."""
+    if as_json:
+        print(json.dumps(_finite(data), allow_nan=False))
+    else:
+        for_people(data)
+
+
+def _finite(data: Any) -> Any:  # noqa: ANN401
+    """Replace numbers that JSON does not know by null."""
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
+
+
 def _console() -> Console:
     """Return the console; figures are not coloured by guess, long cells wrap."""
     return Console(highlight=False)
 
 
 def _table(title: str, *columns: str) -> Table:
-    """Make a table; columns that begin with ">" are right-aligned."""
-    table = Table(title=title, title_justify="left", header_style="bold")
+    """Make a table; columns that begin with ">" are right-aligned. Long cells fold, nothing is cut."""
+    table = Table(
+        title=title,
+        title_justify="left",
+        header_style="bold",
+        box=SIMPLE_HEAD,
+        pad_edge=False,
+        show_edge=False,
+        show_header=any(columns),
+    )
     for column in columns:
-        table.add_column(column.lstrip(">"), justify="right" if column.startswith(">") else "left")
+        table.add_column(column.lstrip(">"), justify="right" if column.startswith(">") else "left", overflow="fold")
     return table
 
 
@@ -52,23 +81,93 @@ def info(data: Data) -> None:
     table.add_row("operations", f"{data['ops']['rhs']} right-hand side, {data['ops']['jacobian']} Jacobian")
     table.add_row("Jacobian non-zeros", str(data["jacobian_nnz"]))
     table.add_row("effects", ", ".join(f"{k} {v}" for k, v in data["effects"].items()))
-    for name, force in data["static_mesh_forces_n"].items():
-        table.add_row(f"static normal force, {name}", f"{force:.6g} N each mesh")
-    for name, ratio in data["speed_ratios"].items():
-        table.add_row(f"speed ratio, {name}", f"{ratio:.6g}")
     console = _console()
-    console.print(table)
+    parts = [table, *(made(data) for made in (_stages, _meshes, _members, _loads))]
+    for part in parts:
+        if part.row_count:
+            console.print(part, "")
     if "sources" in data:
-        listing = _table("Where the numbers come from", "number", "source")
-        for key, source in data["sources"].items():
-            listing.add_row(escape(key), escape(source))
-        console.print(listing)
+        _sources(console, data["sources"])
+
+
+def _number(value: float | None, form: str) -> str:
+    """Write a number; a dash for one that is not known."""
+    return "-" if value is None else format(value, form)
+
+
+def _stages(data: Data) -> Table:
+    """List geometry and mesh frequency of the stages; planets whose tips overlap stand out."""
+    table = _table("Stages", "stage", "", "")
+    for name, stage in data["stages"].items():
+        radii = ", ".join(f"{part} {radius:.3f}" for part, radius in stage["base_radii_mm"].items())
+        table.add_row(name, "centre distance", f"{stage['center_distance_mm']:.3f} mm")
+        table.add_row("", "base radii", f"{radii} mm")
+        if stage["mesh_frequency_hz"] is not None:
+            table.add_row("", "mesh frequency", f"{stage['mesh_frequency_hz']:.3f} Hz")
+        clearance = stage["planet_tip_clearance_mm"]
+        if clearance is not None:
+            mark = "[yellow]{}[/]" if clearance < 0 else "{}"
+            table.add_row("", "tip clearance of planets", mark.format(f"{clearance:.3f} mm (full-depth teeth)"))
+    return table
+
+
+def _meshes(data: Data) -> Table:
+    """List angle, contact ratio, stiffness and static normal force of the meshes."""
+    table = _table(
+        "Meshes (force: static and normal, in each such mesh)",
+        "mesh", ">angle deg", ">contact ratio", ">single N/m", ">double N/m", ">force N",
+    )  # fmt: skip
+    for name, stage in data["stages"].items():
+        for key, mesh in stage["meshes"].items():
+            given = " given" if mesh["contact_ratio_given"] else ""
+            table.add_row(
+                f"{name}.{key}",
+                f"{mesh['pressure_angle_deg']:.3f}",
+                _number(mesh["contact_ratio"], ".3f") + given,
+                _number(mesh["stiffness_single_n_per_m"], ".4g"),
+                _number(mesh["stiffness_double_n_per_m"], ".4g"),
+                f"{mesh['static_force_n']:.6g}",
+            )
+    return table
+
+
+def _members(data: Data) -> Table:
+    """List motion and inertia of the members."""
+    table = _table("Members", "member", ">r/min", ">speed ratio", ">mass kg", ">inertia kg m^2")
+    for name, member in data["members"].items():
+        table.add_row(
+            name if member["count"] == 1 else f"{name} (each of {member['count']})",
+            f"{member['speed_rpm']:.3f}",
+            _number(data["speed_ratios"].get(name), ".6g"),
+            _number(member["mass_kg"], ".5g"),
+            _number(member["inertia_kg_m2"], ".5g"),
+        )
+    return table
+
+
+def _loads(data: Data) -> Table:
+    """List the loads: what drives and what brakes."""
+    table = _table("Loads (without losses)", "load", "member", ">r/min", ">torque N m", ">power kW", "")
+    for name, load in data["loads"].items():
+        numbers = (_number(load[key], form) for key, form in (("torque_n_m", ".6g"), ("power_kw", "+.6g")))
+        table.add_row(name, load["member"], f"{load['speed_rpm']:.3f}", *numbers, load["action"])
+    return table
+
+
+def _sources(console: Console, sources: dict[str, str]) -> None:
+    """List where the numbers come from."""
+    if not sources:
+        console.print("no sources given")
+        return
+    listing = _table("Where the numbers come from", "number", "source")
+    for key, source in sources.items():
+        listing.add_row(escape(key), escape(source))
+    console.print(listing)
 
 
 def checks(data: Data) -> None:
     """Print check results; the notes of all are in --json, those of failures here."""
     table = _table("Checks of the equations", "check", "", ">value", ">tolerance")
-    table.columns[0].overflow = "fold"
     for item in data["checks"]:
         mark = "[green]ok[/]" if item["passed"] else "[bold red]FAILED[/]"
         name = escape(item["name"]) + ("" if item["passed"] else f"\n{escape(item['note'])}")
@@ -107,6 +206,13 @@ def _seconds(seconds: dict[str, float]) -> str:
     return ", ".join(f"{name} {taken:.2f}" for name, taken in seconds.items())
 
 
+def pace(factor: float) -> str:
+    """Say how fast a simulation ran."""
+    if factor >= 1:
+        return f"{factor:.1f} times faster than real time"
+    return f"{1 / factor:.1f} times slower than real time" if factor > 0 else "stopped at the start"
+
+
 def simulated(data: Data) -> None:
     """Print the summary of a simulation."""
     console = _console()
@@ -121,7 +227,7 @@ def simulated(data: Data) -> None:
     counts = data["counts"]
     console.print(
         f"{data['method']} on {data['engine']}, rtol {data['rtol']:g}: {data['simulated_s']:.6g} s simulated, "
-        f"{data['real_time_factor']:.2f} times real time\n"
+        f"{pace(data['real_time_factor'])}\n"
         f"{counts['steps']} steps, {counts['rhs']} right-hand sides, {counts['jacobian']} Jacobians; "
         f"{counts['events']} stiffness switchings ({counts['expected_events']} by kinematics); "
         f"energy balance open by {abs(data['energy_residual']):.1e} of the strain energy\n"
@@ -145,4 +251,4 @@ def paper_run(data: Data, tables: dict[str, "ResultTable"]) -> None:
         table.print(console)
     simulated(data | {"forces": {}})
     for file in data["files"]:
-        console.print(f"wrote {escape(file)}")
+        print(f"wrote {file}")

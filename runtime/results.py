@@ -3,7 +3,6 @@
 import json
 import os
 import tempfile
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +46,7 @@ LONG_NAMES = {
     "displacement_y": "displacement of the centre in its stage's frame, y",
     "speed": "rotational speed",
     "twist": "angle against the rigid motion",
+    "angular_acceleration": "angular acceleration",
     "drive_torque": "torque of the drive that holds the speed",
 }
 
@@ -91,9 +91,7 @@ def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> t
     return rows, kept
 
 
-def make_dataset(
-    library: Library, p: Vector, path: Trajectory, attributes: dict[str, Any], oversample: int = 1
-) -> "xr.Dataset":
+def make_dataset(library: Library, p: Vector, path: Trajectory, oversample: int = 1) -> "xr.Dataset":
     """Read a trajectory into an xarray Dataset.
 
     Parameters
@@ -102,9 +100,6 @@ def make_dataset(
         Model and parameters, shape (n_p,).
     path
         The trajectory.
-    attributes
-        What the file must tell: scene, versions, statistics; values that are not text or numbers are
-        written as JSON.
     oversample
         How many samples of the trajectory make one of the result (see ``sampled``).
 
@@ -116,35 +111,44 @@ def make_dataset(
     import xarray as xr
 
     rows, values = sampled(library, p, path, oversample)
-    time = ("time", path.time[rows], {"units": "s", "long_name": "time"})
+    coordinates: dict[str, Any] = {"time": ("time", path.time[rows], {"units": "s", "long_name": "time"})}
     data: dict[str, Any] = {}
-    coordinates: dict[str, Any] = {"time": time}
     for quantity, columns in _by_quantity(library).items():
-        first = library.manifest.reports[columns[0]]
-        items = [library.manifest.reports[i].item for i in columns]
-        dimension = (
-            first.dimension if coordinates.get(first.dimension, items) == items else f"{quantity}_{first.dimension}"
-        )
-        coordinates[dimension] = items
-        meta = {"units": first.unit or "1", "long_name": LONG_NAMES[quantity]}
+        dimension = _dimension(library, quantity, columns, coordinates)
+        meta = {"units": library.manifest.reports[columns[0]].unit or "1", "long_name": LONG_NAMES[quantity]}
         data[quantity] = (("time", dimension), values[:, columns], meta)
+    if "mesh_force" in data:
+        data |= _extremes(path)
     if library.manifest.levels:
         coordinates["switched_mesh"] = list(library.manifest.levels)
         meta = {"units": "1", "long_name": LONG_NAMES["mesh_level"]}
         data["mesh_level"] = (("time", "switched_mesh"), path.levels[rows].astype(np.int8), meta)
     coordinates["state_name"] = [state.name for state in library.manifest.states]
-    state_meta = {
-        "units": "SI",
-        "long_name": "state vector",
-        "state_units": json.dumps([s.unit for s in library.manifest.states]),
+    units = json.dumps([state.unit for state in library.manifest.states])
+    data["state"] = (
+        ("time", "state_name"), path.x[rows], {"units": "SI", "long_name": "state vector", "state_units": units},
+    )  # fmt: skip
+    return xr.Dataset(data, coords=coordinates)
+
+
+def _dimension(library: Library, quantity: str, columns: list[int], coordinates: dict[str, Any]) -> str:
+    """Return the dimension of a quantity's items, one of its own where another quantity has other items."""
+    items = [library.manifest.reports[i].item for i in columns]
+    shared = library.manifest.reports[columns[0]].dimension
+    dimension = shared if coordinates.get(shared, items) == items else f"{quantity}_{shared}"
+    coordinates[dimension] = items
+    return dimension
+
+
+def _extremes(path: Trajectory) -> dict[str, Any]:
+    """Return the extremes of the mesh forces between samples, over the second half of the run."""
+    found = path.extremes.steady
+    names = {"lowest": found[0], "highest": found[1]}
+    meta = {"units": "N", "from_s": path.extremes.half}
+    return {
+        f"mesh_force_{word}": ("mesh", values, meta | {"long_name": f"{word} mesh force, between samples too"})
+        for word, values in names.items()
     }
-    data["state"] = (("time", "state_name"), path.x[rows], state_meta)
-    plain = {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in attributes.items()}
-    return xr.Dataset(
-        data,
-        coords=coordinates,
-        attrs=plain | {"counts": json.dumps(asdict(path.counts)), "status": path.status},
-    )
 
 
 def _by_quantity(library: Library) -> dict[str, list[int]]:

@@ -1,5 +1,6 @@
 """The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
 
+import json
 import os
 import sys
 from collections.abc import Callable, Mapping
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ltcgear.generated.errors import LtcgearError
 
 from .equilibrium import find_equilibrium
-from .integration import integrate
+from .integration import Trajectory, integrate
 from .library import Library
 from .results import energy_residual, make_dataset
 from .statistics import mesh_statistics, steady_start
@@ -30,24 +31,23 @@ def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
     if method not in METHODS:
         near = get_close_matches(method, METHODS, 1)
         hint = f'did you mean "{near[0]}"?' if near else f"there are {', '.join(METHODS)}"
-        raise LtcgearError(f"--method {method}: unknown; {hint}")
+        raise LtcgearError(f"method {method!r}: unknown; {hint}")
     if not 1e-13 <= rtol <= 0.1:
-        raise LtcgearError(f"--rtol {rtol:g}: must lie between 1e-13 and 0.1")
+        raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
-        raise LtcgearError(f"--t-end {t_end:g}: must be a time in seconds greater than zero")
+        raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds greater than zero")
 
 
 def _check_size(library: Library, samples: float) -> None:
     """Refuse a run of less than one sample, or of more than the memory holds."""
-    if samples < 0.5:
-        raise LtcgearError("--t-end is shorter than one sample; simulate longer or raise simulation.rate")
+    if round(samples) < 1:
+        raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
     manifest = library.manifest
     need = samples * 8 * (len(manifest.states) + len(manifest.levels) + len(manifest.reports))
     have = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if need > 0.8 * have:
         raise LtcgearError(
-            f"the run would take {need / 1e9:.0f} GB of {have / 1e9:.0f} GB memory; "
-            "lower --t-end, simulation.rate or --oversample"
+            f"the run would take {need / 1e9:.0f} GB of {have / 1e9:.0f} GB memory; lower t_end, rate or oversample"
         )
 
 
@@ -95,6 +95,7 @@ def simulate(
     SolverError
         If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
     """
+    check_options(method, rtol, t_end)
     _check_size(library, t_end * rate * oversample)
     p = library.parameters(values)
     clock = perf_counter()
@@ -103,30 +104,40 @@ def simulate(
     path = integrate(library, p, at, t_end=t_end, rate=rate * oversample, method=method, rtol=rtol, told=told)
     seconds |= path.seconds
     clock = perf_counter()
+    settings = {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
+    summary = settings | _outcome(path) | {"energy_residual": energy_residual(library, p, at, path)}
+    dataset = make_dataset(library, p, path, oversample)
+    seconds["outputs"] = perf_counter() - clock
+    summary |= {"seconds": seconds, "forces": _forces(dataset), "warnings": _pulling(path, dataset)}
+    told_in_file = {**_versions(), **(attributes or {}), **summary}
+    del told_in_file["forces"]
+    dataset.attrs |= {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in told_in_file.items()}
+    return Result(dataset, summary)
+
+
+def _versions() -> dict[str, Any]:
+    """Return the versions at work."""
     versions = {name: version(name) for name in ("ltcgear", "casadi", "numpy", "xarray")}
-    versions["python"] = sys.version.split()[0]
-    summary: dict[str, Any] = {
+    return {"ltcgear": versions["ltcgear"], "versions": versions | {"python": sys.version.split()[0]}}
+
+
+def _outcome(path: Trajectory) -> dict[str, Any]:
+    """Return how an integration went."""
+    return {
         "status": path.status,
-        "method": method,
-        "engine": library.engine,
-        "rtol": rtol,
-        "oversample": oversample,
         "simulated_s": path.end,
         "real_time_factor": path.end / path.seconds["integrate"],
         "counts": asdict(path.counts) | {"expected_events": path.expected_events},
-        "energy_residual": energy_residual(library, p, at, path),
     }
-    about = {"ltcgear": versions["ltcgear"], "versions": versions, **(attributes or {}), **summary}
-    dataset = make_dataset(library, p, path, about, oversample)
-    seconds["outputs"] = perf_counter() - clock
-    forces = _forces(dataset)
-    return Result(dataset, summary | {"seconds": seconds, "forces": forces, "warnings": _pulling(forces)})
 
 
-def _pulling(forces: dict[str, Any]) -> list[str]:
-    """Say which meshes pull: their teeth would part, which a bilateral mesh does not know."""
-    meshes = [name for name, force in forces.items() if force["min"] < 0 < force["max"]]
-    return [f"{name}: the mesh force changes its sign, so teeth would part; the mesh is bilateral" for name in meshes]
+def _pulling(path: Trajectory, dataset: "xr.Dataset") -> list[str]:
+    """Say which meshes pull at some time: their teeth would part, which a bilateral mesh does not know."""
+    if "mesh_contact" in dataset or "mesh_force" not in dataset:
+        return []
+    found = zip(dataset["mesh"].values, path.extremes.lowest, strict=True)
+    text = "{}: pulls with up to {:.4g} N, where teeth would part; set effects.contact to one-flank or backlash"
+    return [text.format(mesh, -force) for mesh, force in found if force < 0]
 
 
 def _forces(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -9,6 +9,8 @@ import numpy as np
 if TYPE_CHECKING:
     import xarray as xr
 
+    from .spectra import FloatArray
+
 
 def steady_start(dataset: xr.Dataset) -> float:
     """Time from which a result counts as steady when nobody says otherwise.
@@ -88,7 +90,9 @@ def mesh_statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, 
     Parameters
     ----------
     dataset
-        Simulation result with ``mesh_force`` (time, mesh) [N].
+        Simulation result with ``mesh_force`` (time, mesh) [N]; extremes between samples are taken
+        from ``mesh_force_lowest`` and ``mesh_force_highest`` (mesh) where they were followed from
+        `start_s`.
     start_s
         First instant counted [s].
 
@@ -105,15 +109,29 @@ def mesh_statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, 
         If the record ends before `start_s`.
     """
     forces = window(dataset, start_s)["mesh_force"].transpose("time", "mesh")
+    low, high = _between_samples(dataset, start_s)
     return {
-        str(mesh): _force_statistics(forces.values[:, column].astype(np.float64))
+        str(mesh): _force_statistics(forces.values[:, column].astype(np.float64), low[column], high[column])
         for column, mesh in enumerate(forces["mesh"].values)
     }
 
 
-def _force_statistics(force: np.ndarray[tuple[int], np.dtype[np.float64]]) -> dict[str, float]:
-    """Statistics of one force history, shape (n,) [N]."""
-    mean, low, high = float(force.mean()), float(force.min()), float(force.max())
+def _between_samples(dataset: xr.Dataset, start_s: float) -> tuple[FloatArray, FloatArray]:
+    """Extremes of each mesh force that the integrator saw, NaN where it followed another span [N]."""
+    if "mesh_force_lowest" in dataset:
+        low, high = dataset["mesh_force_lowest"], dataset["mesh_force_highest"]
+        if abs(float(low.attrs["from_s"]) - start_s) < 1.0 / sampling_rate(dataset):
+            return low.values, high.values
+    unknown = np.full(dataset.sizes["mesh"], np.nan)
+    return unknown, unknown
+
+
+def _force_statistics(
+    force: np.ndarray[tuple[int], np.dtype[np.float64]], lowest: float, highest: float
+) -> dict[str, float]:
+    """Statistics of one force history, shape (n,), widened by its extremes between samples [N]."""
+    mean = float(force.mean())
+    low, high = float(np.fmin(force.min(), lowest)), float(np.fmax(force.max(), highest))
     peak = high if mean >= 0.0 else low
     return {
         "mean": mean,

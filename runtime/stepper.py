@@ -9,6 +9,7 @@ import ctypes
 import re
 import tempfile
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -19,7 +20,7 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from .kernel import Kernel
-from .library import Library
+from .library import Library, load
 
 Vector = NDArray[np.float64]
 
@@ -98,7 +99,7 @@ def _problem(library: Library, functions: dict[str, ca.Function], symbol: Any) -
     x = part["origin"] + part["scale"] * z
     rate = functions["rhs"](x, part["s"], part["p"])
     balance = functions["energy"](x, part["s"], part["p"])
-    ode, power = part["duration"] * rate / part["scale"], part["duration"] * (balance[2] - balance[3])
+    ode, power = part["duration"] * rate / part["scale"], part["duration"] * (balance[3] - balance[4])
     if symbol is ca.SX:
         ode, power = ca.cse([ode, power])
     return {"x": z, "p": ca.vertcat(*part.values()), "ode": ode, "quad": power}
@@ -232,12 +233,14 @@ class _WholeStepper(_Base):
         compiler = store.compiler()
         if compiler is None:
             raise LtcgearError("the model was compiled but the compiler is gone")
-        path = store.library(whole_c(self.library, self.method, self.nodes), compiler)
-        self._reader = ctypes.CDLL(str(path)).ltcgear_read
+        make = partial(store.library, whole_c(self.library, self.method, self.nodes), compiler)
+        self._reader, function = load(
+            make, lambda path: (ctypes.CDLL(str(path)).ltcgear_read, ca.external("segment", str(path)))
+        )
         self._tally, self._step = (ctypes.c_longlong * 4)(), ctypes.c_double()
         self._reader(self._tally, ctypes.byref(self._step))
         self._before, self._last = tuple(self._tally), 0.0
-        return ca.external("segment", str(path))
+        return function
 
     def advance(self, z: Vector, duration: float, origin: Vector, levels: Vector) -> tuple[Vector, float]:
         """Integrate a segment, beginning with the step the last one ended with."""

@@ -383,16 +383,21 @@ def _mesh_damping(
 def _phase(
     draft: Draft, name: str, label: str, mesh: Mesh, gear: str, teeth: int, direction: float, switched: bool
 ) -> None:
-    """Note the mesh phase: teeth of gear 1 that have passed the line of centres (eqs 10-11)."""
+    """Note the mesh phase: teeth of gear 1 that have passed the line of centres (eqs 10-11).
+
+    It counts up in the sense in which the gears turn at the start, so that every mesh begins with the
+    single contact of eq 9, shifted by its planet's place; ``teeth_1`` is negative where that is clockwise.
+    """
     stage = name.split(".")[0]
-    per_turn = draft.number(f"{name}.teeth_1", teeth, "")
-    start = draft.number(f"{label}.phase", mesh.phase - teeth * direction / (2 * pi), "")
+    relative = draft.rigid.ratios[gear] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
+    sense = -teeth if relative * (draft.rigid.speed or 1.0) < 0 else teeth
+    per_turn = draft.number(f"{name}.teeth_1", sense, "")
+    start = draft.number(f"{label}.phase", mesh.phase - sense * direction / (2 * pi), "")
     draft.rollings.append(Rolling(label, per_turn, gear, start))
     if not switched:
         return
-    relative = draft.rigid.ratios[gear] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
     runs = draft.rigid.mode != "rest" and relative != 0.0
-    rate = draft.number(f"{name}.cycles", teeth * relative / (2 * pi), "1/rad") if runs else None
+    rate = draft.number(f"{name}.cycles", sense * relative / (2 * pi), "1/rad") if runs else None
     draft.levels.append(Level(label, rate, start, f"{name}.single_share"))
 
 

@@ -49,7 +49,7 @@ class Equations:
     phases
         Per level: phase tau [cycles], its rate [1/s], share of single contact.
     energy
-        Kinetic and potential energy [J], power put in and power lost [W].
+        Kinetic and strain energy, that of weight [J], power put in and power lost [W].
     forces
         Body -> force and torque in its frame; ``inertial`` -> the same from inertial coordinates.
     """
@@ -191,6 +191,7 @@ class _Assembly:
         for instance, result in results:
             for i, name in enumerate(instance.bodies):
                 forces[name] = forces[name] + result["force"][3 * i : 3 * i + 3]
+        self.forces = forces
         reports = list(self._reports(results, forces))
         return Equations(
             self.x, self.s, self.p, self.states, tuple(self.level),
@@ -303,6 +304,10 @@ class _Assembly:
             rate = self.value.get(f"{body.name}.u.rate", ca.SX(0))
             yield Report("speed", body.name, "rad/s", "rotor"), ratio * self.speed + rate
             yield Report("twist", body.name, "rad", "rotor"), deviation
+            acceleration = self._acceleration(body, force, self._reference_acceleration(self.forces))["au"]
+            own = acceleration if body.turning == "free" else ca.SX(0)
+            turning = ratio * self._reference_acceleration(self.forces) + own
+            yield Report("angular_acceleration", body.name, "rad/s^2", "rotor"), turning
         if body.turning == "driven":
             yield Report("drive_torque", body.name, "N*m", "drive"), -force[2]
 
@@ -326,8 +331,8 @@ class _Assembly:
         )
 
     def _energy(self, results: list[tuple[Instance, dict[str, Any]]], forces: dict[str, ca.SX]) -> ca.SX:
-        """Return kinetic and potential energy, power put in by loads and drives, power lost."""
-        kinetic = potential = given = lost = ca.SX(0)
+        """Return kinetic and strain energy, that of weight, power put in by loads and drives, power lost."""
+        kinetic = strain = weight = given = lost = ca.SX(0)
         for body in self.model.bodies:
             _, (vx, vy, w) = self.port(body, "absolute")
             if body.lateral:
@@ -340,10 +345,12 @@ class _Assembly:
             if instance.group == "external_torque":
                 _, (_, _, w) = self.port(self.bodies[instance.bodies[0]], "absolute")
                 given += result["force"][2] * w
+            elif instance.group == "gravity":
+                weight += result["potential"]
             else:
-                potential += result["potential"]
+                strain += result["potential"]
                 lost += result["loss"]
-        return ca.vertcat(kinetic, potential, given, lost)
+        return ca.vertcat(kinetic, strain, weight, given, lost)
 
 
 def _rotate(angle: Any, x: Any, y: Any) -> list[Any]:  # noqa: ANN401

@@ -175,7 +175,7 @@ class Mesh(Table):
     torsional_stiffness: TorsionalStiffness | None = None
     reference: Literal["sun", "ring", "planet", "input", "output"] | None = None
     double_factor: Annotated[float, Field(ge=1, le=3)] | None = None
-    contact_ratio: Annotated[float, Field(gt=1, lt=2)] | None = None
+    contact_ratio: Annotated[float, Field(gt=1.000001, lt=1.999999)] | None = None
     phase: Annotated[float, Field(ge=-1, le=1)] = 0.0
     damping: Damping | None = None
     damping_ratio: Ratio | None = None

@@ -131,7 +131,7 @@ def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, 
 
 
 def static_forces(scene: Scene, rigid: Motion) -> dict[str, float]:
-    """Return the signed normal force [N] in one mesh of each kind, lossless, on the printed flank.
+    """Return the signed normal force [N] in one mesh of each kind, on the printed flank, without friction.
 
     Unknowns are the mesh forces, the coupling torques, the reactions of held members and, where nothing
     holds the speed, the acceleration of the reference (which the inertias resist); they solve in the
@@ -155,6 +155,8 @@ def static_forces(scene: Scene, rigid: Motion) -> dict[str, float]:
     load = np.zeros(len(names))
     for item in scene.loads.values():
         load[column[item.member]] += item.torque or 0.0
+    for name, member in everyone.items():
+        load[column[name]] -= (member.drag or 0.0) * rigid.ratios[name] * rigid.speed
     forces = np.linalg.lstsq(np.array(columns).T, -load, rcond=None)[0] if columns else np.zeros(0)
     return {key: float(forces[i]) for i, key in enumerate(meshes)}
 

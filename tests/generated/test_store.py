@@ -1,9 +1,11 @@
 """The store: keys that cover everything, folders that appear whole, compilers that fail loudly."""
 
 import ctypes
+import pickle
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -206,6 +208,112 @@ def test_a_damaged_model_is_dropped_and_made_again(home, name, damage):
     assert store.get(KEY) == made
 
 
+def test_the_same_content_put_again_stays_untouched(home):
+    store.put(KEY, artifact())
+    folder = home / "models" / KEY
+    before = folder.stat().st_ino, {path.name: path.stat().st_ino for path in folder.iterdir()}
+    store.put(KEY, artifact())
+    assert (folder.stat().st_ino, {path.name: path.stat().st_ino for path in folder.iterdir()}) == before
+
+
+@pytest.mark.parametrize("damage", ["missing", "not text", "cut", "empty"])
+@pytest.mark.parametrize("name", ["model.c", "manifest.json", "graphs.casadi"])
+def test_a_damaged_model_is_replaced_by_put(home, name, damage):
+    made = artifact()
+    store.put(KEY, made)
+    DAMAGES[damage](home / "models" / KEY / name)
+    store.put(KEY, made)
+    assert store.get(KEY) == made
+    assert [path.name for path in (home / "models").iterdir()] == [KEY]
+
+
+def test_a_model_away_for_a_moment_is_found(home, monkeypatch):
+    made = artifact()
+    store.put(KEY, made)
+    folder = home / "models" / KEY
+    folder.rename(home / "away")
+    monkeypatch.setattr(store.time, "sleep", lambda seconds: (home / "away").rename(folder))
+    assert store.get(KEY) == made
+    assert folder.is_dir()
+
+
+def test_a_model_that_may_not_be_read_is_a_miss_and_kept(home, monkeypatch):
+    made = artifact()
+    store.put(KEY, made)
+
+    def refuse(path, *args, **options):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "read_text", refuse)
+        assert store.get(KEY) is None
+    assert store.get(KEY) == made
+
+
+def test_a_store_that_cannot_be_written_is_told(home):
+    home.mkdir(mode=0o700)
+    (home / "models").write_text("")
+    assert store.get(KEY) is None
+    with pytest.raises(LtcgearError, match=r"cannot be written: .*set LTCGEAR_CACHE"):
+        store.put(KEY, artifact())
+
+
+def test_without_locks_the_store_still_works(home, monkeypatch):
+    def refuse(handle, operation):
+        raise OSError(9, "Bad file descriptor")
+
+    monkeypatch.setattr(store.fcntl, "flock", refuse)
+    made = artifact()
+    store.put(KEY, made)
+    store.put(KEY, replace(made, manifest=replace(made.manifest, reference="speed")))
+    assert store.get(KEY).manifest.reference == "speed"
+    (home / "models" / KEY / "model.c").write_text("")
+    assert store.get(KEY) is None
+    assert not (home / "models" / KEY).exists()
+
+
+HAMMER = """
+import pickle, sys, time
+from ltcgear.generated import store
+made = [pickle.loads(bytes.fromhex(text)) for text in sys.argv[2:]]
+print(flush=True)
+sys.stdin.readline()  # all begin at once
+end, turns, missed = time.monotonic() + 1.0, 0, 0
+while time.monotonic() < end:
+    turns += 1
+    if sys.argv[1] == "put":
+        store.put("KEY", made[turns % len(made)])
+    else:
+        missed += store.get("KEY") not in made
+print(turns, missed)
+"""
+
+
+@pytest.mark.parametrize("contents", [1, 2])
+def test_many_processes_at_one_key_never_miss(home, contents):
+    made = [artifact(), replace(artifact(), c=C + C.replace("answer", "other"))][:contents]
+    made = [replace(a, manifest=replace(a.manifest, key=store.digest([a.c, a.graphs]))) for a in made]
+    store.put("KEY", made[0])
+    texts = [pickle.dumps(a).hex() for a in made]
+    workers = [
+        subprocess.Popen(
+            [sys.executable, "-c", HAMMER, role, *texts], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        for role in ("put", "put", "get", "get")
+    ]
+    for worker in workers:
+        assert worker.stdout.readline() == "\n"
+    for worker in workers:
+        worker.stdin.write("\n")
+        worker.stdin.flush()
+    counts = [tuple(map(int, worker.communicate(timeout=20)[0].split())) for worker in workers]
+    assert [worker.returncode for worker in workers] == [0] * 4
+    assert min(turns for turns, _ in counts) > 10
+    assert sum(missed for _, missed in counts) == 0
+    assert store.get("KEY") in made
+    assert [path.name for path in (home / "models").iterdir()] == ["KEY"]
+
+
 def test_a_manifest_of_another_format_is_not_read(home):
     store.put(KEY, artifact())
     path = home / "models" / KEY / "manifest.json"
@@ -239,6 +347,35 @@ def test_a_library_is_compiled_once(home, compiler, runs):
     function.restype = ctypes.c_double
     assert function() == 42.0
     assert [p.name for p in (home / "libraries").iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("damage", ["cut", "longer", "empty", "zeros", "missing", "a bit"])
+def test_a_damaged_library_is_compiled_again(home, compiler, runs, damage):
+    path = store.library(C, compiler)
+    data = path.read_bytes()
+    middle = len(data) // 2
+    damages = {
+        "cut": data[:middle],
+        "longer": data + b"\0",
+        "empty": b"",
+        "zeros": bytes(len(data)),
+        "a bit": data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1 :],
+    }
+    path.unlink()
+    if damage in damages:
+        path.write_bytes(damages[damage])
+    assert store.library(C, compiler) == path
+    assert len(runs) == 2
+    function = ctypes.CDLL(str(path)).answer
+    function.restype = ctypes.c_double
+    assert function() == 42.0
+
+
+def test_a_folder_for_libraries_that_cannot_be_made_is_told(home, compiler):
+    home.mkdir(mode=0o700)
+    (home / "libraries").write_text("")
+    with pytest.raises(CompileError, match=r"libraries/.*\.so: cannot be made: .*set LTCGEAR_CACHE"):
+        store.library(C, compiler)
 
 
 def test_a_model_is_compiled_once(home, runs):

@@ -70,10 +70,9 @@ class Train:
         """Instants of switching up to ``end`` and the levels between them, the first from zero on."""
         w = abs(self.rate)
         pitches = np.arange(np.ceil(end * w) + 1)
-        # Backwards a pitch begins with double contact, from its upper border down to the share of single contact.
-        part = self.share if self.rate > 0 else 1 - self.share
-        times = np.sort(np.concatenate([pitches, pitches + part])) / w
-        return times, (np.arange(len(times)) + (self.rate < 0)) % 2
+        # Eq 9: a pitch begins with single contact, whichever way the gears turn.
+        times = np.sort(np.concatenate([pitches, pitches + self.share])) / w
+        return times, np.arange(len(times)) % 2
 
     def solve(self, times):
         """Exact deviations and rates, shape (times, 6), from the equilibrium on."""

@@ -310,7 +310,9 @@ class HandModel:
         }
         if m.teeth:
             Dg = hand.direction_change(a.O, b.O, gamma0, turn)
-            out.outputs["mesh_phase", item] = m.teeth / (2 * PI) * (a.th - gamma0 - Dg) + mesh.phase
+            start = next((x for item in self.scene.loads.values() if (x := item.speed or item.initial_speed)), 1.0)
+            sense = -1 if (self.ratio(one) - self.frame_ratio(two)) * start < 0 else 1
+            out.outputs["mesh_phase", item] = sense * m.teeth / (2 * PI) * (a.th - gamma0 - Dg) + mesh.phase
         out.add(one, r["F1"], r["T1"])
         out.add(two, r["F2"], r["T2"])
         if self.effects["mesh_friction"] == "pitch-point" and mesh.friction is not None:

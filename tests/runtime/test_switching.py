@@ -161,7 +161,8 @@ def nominal_phase(c, mesh, t, speed):
     else:
         wheel, w, carrier, n = 59, (1 + 118 / 17) * sun, 0.0, 1
     i = int(mesh.split(".")[2]) if stage != "psh" else 1
-    return wheel * (w - carrier) / (2 * np.pi) * t - wheel * (i - 1) / n
+    rate = wheel * (w - carrier) / (2 * np.pi)
+    return abs(rate) * t - np.sign(rate) * wheel * (i - 1) / n  # it counts up in the sense of rotation
 
 
 def share_of(c, mesh):

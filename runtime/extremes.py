@@ -1,0 +1,49 @@
+"""Extremes of mesh forces between samples, at the integrator's own nodes, both sides of every jump included."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .kernel import Kernel
+from .library import Library
+
+Vector = NDArray[np.float64]
+
+
+class MeshExtremes:
+    """Follow the smallest and largest mesh forces of a run.
+
+    Samples miss peaks: a force jumps with its stiffness and then swings at frequencies that the sampling
+    rate does not resolve. Segments end at the jumps and their nodes do resolve the fastest mode.
+
+    Parameters
+    ----------
+    library, p
+        Model and parameters.
+    nodes
+        Nodes of a segment, its start included.
+    half
+        Time from which a force counts as steady [s].
+    """
+
+    def __init__(self, library: Library, p: Vector, nodes: int, half: float) -> None:
+        rows = [i for i, report in enumerate(library.manifest.reports) if report.quantity == "mesh_force"]
+        self.rows, self.half = np.array(rows, dtype=np.int64), half
+        self.lowest = np.full(len(rows), np.inf)
+        self.steady = np.full((2, len(rows)), np.nan)
+        outputs = library.functions["outputs"]
+        self.kernel = Kernel(outputs.map("outputs_at_nodes", "serial", nodes, [1, 2], [])) if rows else None
+        if self.kernel:
+            self.kernel.arguments[2][:] = p
+
+    def note(self, states: Vector, levels: Vector, times: Vector) -> None:
+        """Take in a segment: states (nodes, n), its levels and node times [s]."""
+        if self.kernel is None:
+            return
+        self.kernel.arguments[0][:], self.kernel.arguments[1][:] = states.ravel(), levels
+        self.kernel.evaluate()
+        forces = self.kernel.results[0].reshape(len(times), -1)[:, self.rows]
+        self.lowest = np.minimum(self.lowest, forces.min(axis=0))
+        late = forces[times >= self.half]
+        if len(late):
+            self.steady[0] = np.fmin(self.steady[0], late.min(axis=0))
+            self.steady[1] = np.fmax(self.steady[1], late.max(axis=0))
