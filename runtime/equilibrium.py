@@ -102,10 +102,12 @@ def _newton(library: Library, p: Vector, x: Vector, levels: Vector) -> Equilibri
         if not (np.isfinite(force).all() and np.isfinite(stiffness).all()):
             raise SolverError(UNREACHABLE)
         residual = _residual(library, force, np.abs(stiffness) @ (np.abs(x[position]) + ROUNDING) + load)
-        if residual < 1e-13 or (residual < 1e-8 and residual > 0.3 * best):
+        delta = _solve(library, stiffness, force, mass)
+        settled = np.abs(delta).max() <= 1e-7 * np.abs(x[position]).max() + ROUNDING**2
+        if residual < 1e-13 or (settled and residual < 1e-8 and residual > 0.3 * best):
             return Equilibrium(x, levels, residual, iteration)
         best = min(best, residual)
-        x = _advance(rhs, x, position, _solve(library, stiffness, force, mass), levels, p)
+        x = _advance(rhs, x, position, delta, levels, p)
     raise SolverError(
         f"no equilibrium: after 60 Newton steps the forces are out of balance by {residual:.1e} of their size; "
         "check loads, stiffnesses and centre distances"
