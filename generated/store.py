@@ -101,7 +101,7 @@ def put_folder(target: Path, files: dict[str, str]) -> None:
             try:
                 (draft / "new").rename(target)
             except OSError:
-                if not _holds(target, files):  # likewise, where files cannot be locked
+                if not target.is_dir():  # likewise, where files cannot be locked
                     raise
     finally:
         shutil.rmtree(draft, ignore_errors=True)

@@ -59,6 +59,12 @@ Oversample = Annotated[
 Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it refers to vibrations.")]
 
 
+class InterruptedRunError(LtcgearError):
+    """The user stopped a simulation; what it had computed is kept."""
+
+    exit_code = INTERRUPTED
+
+
 @dataclass
 class Opened:
     """A scene on its way through the house, with the seconds each stage took."""
@@ -262,8 +268,18 @@ def simulate(
 
 def _finished(summary: dict[str, Any]) -> None:
     """Stop with the reason, where a simulation did not reach its end."""
-    if summary["status"] != "done":
-        raise SolverError(summary["status"])
+    status = summary["status"]
+    if status != "done":
+        raise (InterruptedRunError if status.startswith("interrupted") else SolverError)(status)
+
+
+def _check_result(output: Path) -> None:
+    """Refuse a result file that cannot be written or is not named .nc, before anything is computed."""
+    from .results import check_target
+
+    check_target(output)
+    if output.suffix != ".nc":
+        raise LtcgearError(f"{output}: results are NetCDF4 files; name it {output.with_suffix('.nc')}")
 
 
 def run(
@@ -276,23 +292,17 @@ def run(
     oversample: int,
 ) -> dict[str, Any]:
     """Simulate a scene and write its result; return the summary."""
-    from .results import check_target, save
+    from .results import save
     from .simulation import check_options
     from .simulation import simulate as simulate_model
 
     check_options(method, rtol, t_end)
     if output is not None:
-        check_target(output)
-        if output.suffix != ".nc":
-            raise LtcgearError(f"{output}: results are NetCDF4 files; name it {output.with_suffix('.nc')}")
+        _check_result(output)
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
-    attributes = {
-        "scene": opened.scene.name,
-        "title": opened.scene.title,
-        "scene_json": opened.scene.model_dump_json(),
-    }
+    about = {"scene": opened.scene.name, "title": opened.scene.title}
     with progress(f"simulate {opened.scene.name}", end) as told:
         result = simulate_model(
             library,
@@ -302,7 +312,7 @@ def run(
             method=method,
             rtol=rtol,
             oversample=oversample,
-            attributes=attributes,
+            attributes=about | {"scene_json": opened.scene.model_dump_json()},
             told=told,
         )
     seconds = opened.seconds | result.summary["seconds"]
@@ -369,6 +379,8 @@ def main() -> None:
     """Run the command line; errors become one message and an exit code."""
     try:
         code = app(standalone_mode=False) or 0
+        if code == INTERRUPTED:  # what typer makes of a KeyboardInterrupt; older ones abort
+            raise KeyboardInterrupt
     except LtcgearError as error:
         print(f"ltcgear: {error}", file=sys.stderr)
         code = error.exit_code
@@ -376,7 +388,6 @@ def main() -> None:
         error.show()
         code = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
-        code = INTERRUPTED
-    if code == INTERRUPTED:
         print("ltcgear: stopped; nothing half-written was left", file=sys.stderr)
+        code = INTERRUPTED
     sys.exit(code)

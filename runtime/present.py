@@ -240,7 +240,9 @@ def modes(data: Data) -> None:
     table = _table("Eigenfrequencies at the loaded equilibrium", ">Hz", ">damping", "class", "kinetic energy")
     for item in data["modes"]:
         energy = ", ".join(f"{name} {share:.0%}" for name, share in list(item["energy"].items())[:3] if share > 0.005)
-        table.add_row(f"{item['frequency_hz']:.2f}", f"{item['damping_ratio']:.2%}", item["class"], energy)
+        table.add_row(
+            f"{item['frequency_hz']:.2f}", f"{round(item['damping_ratio'], 4) + 0.0:.2%}", item["class"], energy
+        )
     _console().print(table)
 
 

@@ -40,6 +40,6 @@ def progress(title: str, end: float) -> Iterator[Callable[[float], None]]:
         task = bar.add_task(title, total=end, speed="")
 
         def told(now: float) -> None:
-            bar.update(task, completed=now, speed=f"{now / max(perf_counter() - start, 1e-9):.2f} x real time")
+            bar.update(task, completed=now, speed=f"{now / max(perf_counter() - start, 1e-9):.2f} s simulated a second")
 
         yield told

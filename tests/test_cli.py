@@ -1,13 +1,16 @@
 """The command line: exit codes, JSON and nothing else on stdout, one message and no traceback on stderr."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
+from time import sleep
 
 import pytest
 from ltcgear.generated import store as generated_store
-from ltcgear.runtime import cli, library
+from ltcgear.runtime import cli, library, present
 from ltcgear.symbolic.scene import shipped_scenes
 
 SHORT = ("--t-end", "0.01")
@@ -88,11 +91,64 @@ def test_info(data, run):
     assert "degrees of freedom" in run("info", "rig-2mw")[1]
 
 
+def test_info_tells_geometry_motion_and_loads(data, run):
+    shown = data("info", "rig-2mw")
+    stage, member, load = shown["stages"]["hsp"], shown["members"]["hsp.planet"], shown["loads"]
+    assert stage["center_distance_mm"] == pytest.approx(408)
+    assert stage["base_radii_mm"]["sun"] == pytest.approx(17 * 6 * 0.9396926, rel=1e-6)
+    assert stage["mesh_frequency_hz"] == pytest.approx(158.227, abs=1e-3)
+    assert stage["meshes"]["sun_planet"]["pressure_angle_deg"] == pytest.approx(22.2, abs=0.01)
+    assert stage["meshes"]["ring_planet"]["pressure_angle_deg"] == pytest.approx(20.0)
+    assert stage["meshes"]["ring_planet"]["stiffness_double_n_per_m"] is None
+    mesh = stage["meshes"]["sun_planet"]
+    assert mesh["stiffness_double_n_per_m"] == pytest.approx(1.4 * mesh["stiffness_single_n_per_m"])
+    assert 1.5 < mesh["contact_ratio"] < 1.6
+    assert not mesh["contact_ratio_given"]
+    assert shown["stages"]["lsp"]["planet_tip_clearance_mm"] == pytest.approx(560 * 2**0.5 - 800)
+    assert shown["stages"]["psh"]["planet_tip_clearance_mm"] is None
+    assert member["count"] == 3
+    assert member["mass_kg"] == pytest.approx(7850 * 3.14159265 * (0.3**2 - 0.15**2) * 0.25)
+    assert shown["members"]["generator"]["speed_rpm"] == pytest.approx(15 * 119.668, rel=1e-5)
+    assert (load["motor"]["action"], load["generator"]["action"]) == ("drives", "brakes")
+    assert load["motor"]["power_kw"] == pytest.approx(-load["generator"]["power_kw"]) == pytest.approx(1992.5, abs=0.1)
+    assert load["motor"]["torque_n_m"] == pytest.approx(1.06e4 * 119.668, rel=1e-5)
+    out = run("info", "rig-2mw")[1]
+    assert max(len(line) for line in out.splitlines()) <= 80
+    assert all(word in out for word in ("tip clearance of planets", "drives", "brakes", "158.227 Hz"))
+
+
+def test_info_of_a_scene_at_rest(data):
+    shown = data("info", "lin-parker-3")
+    stage = shown["stages"]["gear"]
+    assert (stage["mesh_frequency_hz"], stage["planet_tip_clearance_mm"]) == (None, None)
+    assert stage["meshes"]["sun_planet"]["contact_ratio"] is None
+    assert (shown["loads"], shown["members"]["gear.sun"]["speed_rpm"]) == ({}, 0)
+
+
+@pytest.mark.parametrize("scene", shipped_scenes())
+def test_shipped_scenes_are_without_warnings(run, scene):
+    assert run("info", scene)[2] == ""
+
+
+def test_a_mesh_without_load_is_warned_about(run):
+    _, _, err = run("info", "psh", "--set", "loads.output.torque=0 N*m")
+    assert "warning: psh: stages.psh.mesh: no load reaches this mesh" in err
+
+
 def test_info_with_sources(data, run):
     sources = data("info", "lsp", "--sources")["sources"]
     assert sources["stages.lsp.module"] == "printed: Table 2"
     assert all(text.startswith(("printed:", "derived:", "assumed:")) for text in sources.values())
     assert "Where the numbers come from" in run("info", "lsp", "--sources")[1]
+    assert "\u2026" not in run("info", "lin-parker-3", "--sources")[1]
+
+
+def test_info_without_sources_says_so(run, tmp_path):
+    path = tmp_path / "bare.toml"
+    path.write_text('title = "x"\n[rotors.a]\ninertia = "1 kg*m^2"\n', encoding="utf-8")
+    out = run("info", path, "--sources")[1]
+    assert "no sources given" in out
+    assert "Where the numbers" not in out
 
 
 def test_info_of_a_file(data, tmp_path):
@@ -170,6 +226,17 @@ def test_help_and_no_command(run):
         code, out, _ = run(command, "--help")
         assert code == 0
         assert "--json" in out
+    out = " ".join(run("simulate", "--help")[1].split())
+    for text in ("Time to simulate [s].", "default: erk", "default: 1e-06", "simulation.t_end of the scene"):
+        assert text in out
+
+
+@pytest.mark.parametrize(
+    ("factor", "text"),
+    [(2.37, "2.4 times faster than real time"), (0.38, "2.6 times slower than real time"), (0.0, "stopped")],
+)
+def test_pace(factor, text):
+    assert present.pace(factor).startswith(text)
 
 
 # --- exit code 1
@@ -199,23 +266,25 @@ def test_a_failed_check_is_exit_code_1(data, monkeypatch):
         (["simulate", "lsp", "--t-end", "soon"], "--t-end"),
         (["simulate", "lsp", "--rtol"], "requires an argument"),
         (["check"], "give a SCENE, or --paper"),
-        (["check", "lsp", "--paper"], "give a SCENE, or --paper"),
+        (["check", "lsp", "--paper"], "both lsp and --paper were given"),
+        (["paper", "--t-end", "0.0005"], "need 0.2 s at least"),
+        (["paper", "--t-end", "nan"], "need 0.2 s at least"),
         (["check", "nosuch"], "nosuch: no such file"),
         (["info", "rig2mw"], 'did you mean "rig-2mw"?'),
-        (["modes", "nosuch"], "shipped scenes: hsp"),
+        (["modes", "nosuch"], "shipped scenes: "),
         (["generate", "nosuch"], "no such file"),
         (["simulate", "nosuch"], "no such file"),
         (["simulate", "lsp", "--method", "rk4"], 'did you mean "erk"?'),
-        (["simulate", "lsp", "--method", "ode45"], "--method ode45: unknown"),
-        (["simulate", "lsp", "--method", ""], "--method : unknown"),
+        (["simulate", "lsp", "--method", "ode45"], "method 'ode45': unknown"),
+        (["simulate", "lsp", "--method", ""], "method '': unknown"),
         (["simulate", "lsp", "--rtol", "0"], "must lie between"),
         (["simulate", "lsp", "--rtol", "1"], "must lie between"),
         (["simulate", "lsp", "--rtol", "-1e-6"], "must lie between"),
         (["simulate", "lsp", "--rtol", "nan"], "must lie between"),
-        (["simulate", "lsp", "--t-end", "0"], "--t-end 0"),
-        (["simulate", "lsp", "--t-end", "-1"], "--t-end -1"),
-        (["simulate", "lsp", "--t-end", "nan"], "--t-end nan"),
-        (["simulate", "lsp", "--t-end", "inf"], "--t-end inf"),
+        (["simulate", "lsp", "--t-end", "0"], "t_end 0: must"),
+        (["simulate", "lsp", "--t-end", "-1"], "t_end -1: must"),
+        (["simulate", "lsp", "--t-end", "nan"], "t_end nan: must"),
+        (["simulate", "lsp", "--t-end", "inf"], "t_end inf: must"),
         (["info", "lsp", "--set"], "requires an argument"),
         (["info", "lsp", "--set", "foo"], "write KEY=VALUE"),
         (["info", "lsp", "--set", "=3"], "write KEY=VALUE"),
@@ -260,6 +329,7 @@ def nothing_computed(monkeypatch):
 def test_an_unwritable_result_is_refused_before_computing(refused, tmp_path):
     assert "does not exist" in refused("simulate", "lsp", "-o", tmp_path / "no" / "x.nc")
     assert "is a folder" in refused("simulate", "lsp", "-o", tmp_path)
+    assert f"name it {tmp_path / 'x.nc'}" in refused("simulate", "lsp", "-o", tmp_path / "x.csv")
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert "does not exist" in refused("simulate", "lsp", "-o", tmp_path / "file" / "x.nc")
 
@@ -294,6 +364,15 @@ def test_a_scene_without_equilibrium_is_exit_code_3(refused):
     assert text.startswith("ltcgear: ")
 
 
+def test_a_run_that_stops_is_exit_code_3(run, monkeypatch, tmp_path):
+    summary = {"status": "erk stopped at t = 0.1 s"}
+    monkeypatch.setattr(cli, "run", lambda *arguments, **keys: summary)
+    monkeypatch.setattr(cli.present, "simulated", lambda data: None)
+    for command in (("simulate", "lsp"), ("paper", "-o", tmp_path)):
+        code, _, err = run(*command)
+        assert (code, err) == (3, "ltcgear: erk stopped at t = 0.1 s\n")
+
+
 def test_a_compiler_that_is_not_there_is_exit_code_3(refused, monkeypatch):
     monkeypatch.setenv("CC", "/nonexistent/cc")
     generated_store.compiler.cache_clear()
@@ -324,3 +403,27 @@ def test_the_installed_program(arguments, code):
     assert "Traceback" not in done.stdout + done.stderr
     assert bool(done.stdout) is (code == 0)
     assert bool(done.stderr) is (code != 0)
+
+
+STARTED = """
+import signal, sys
+from ltcgear.runtime import cli
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would ignore it
+sys.argv = ["ltcgear", *sys.argv[1:]]
+print("ready", flush=True)
+cli.main()
+"""
+
+
+@pytest.mark.parametrize("delay", [0.0, 3.0], ids=["while it starts", "while it integrates"])
+def test_control_c_is_exit_code_130(delay):
+    command = [sys.executable, "-c", STARTED, "simulate", "lsp", "--t-end", "1000"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+        assert program.stdout is not None
+        assert program.stdout.readline() == "ready\n"
+        sleep(delay)
+        os.kill(program.pid, signal.SIGINT)
+        _, err = program.communicate(timeout=60)
+    assert program.returncode == 130
+    assert len(err.splitlines()) == 1
+    assert err.startswith("ltcgear: ")

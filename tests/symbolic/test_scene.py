@@ -724,7 +724,7 @@ def test_a_scene_that_is_not_there_is_refused(name):
 @pytest.mark.parametrize(("name", "near"), [("rig2mw", "rig-2mw"), ("lsp.toml", "lsp"), ("lin-parker", "lin-parker-")])
 def test_the_nearest_shipped_scene_is_named(name, near):
     assert f'did you mean "{near}' in refused(name, "no such file and no shipped scene; did you mean")
-    assert "; shipped scenes: hsp, " in refused("zzzzz", "no such file")
+    assert "; shipped scenes: floating-off, " in refused("zzzzz", "no such file")
 
 
 # --- changes, as --set gives them
