@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from math import cos, pi, sin, sqrt
 
-from . import gears, train
+from . import gears, mesh_stiffness, train
 from .model import BACK, BASIS, LEVEL, TURN, Body, Instance, Level, Model, Parameter, Rolling
 from .schema import (
     Bearing,
@@ -273,15 +273,6 @@ def _pair(draft: Draft, name: str, stage: Pair) -> None:
     _mesh(draft, f"{name}.mesh", "", stage, stage.mesh, bodies, (stage.input, stage.output), 1, direction)
 
 
-def mesh_stiffness(stage: Planetary | Pair, mesh: Mesh) -> float:
-    """Return the single-contact (or constant) stiffness [N/m]; K / r_b^2 where K is torsional."""
-    if mesh.stiffness is not None:
-        return mesh.stiffness
-    assert mesh.torsional_stiffness is not None
-    assert mesh.reference is not None
-    return mesh.torsional_stiffness / gears.base_radius(stage, getattr(stage, mesh.reference)) ** 2
-
-
 def single_share(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> float:
     """Return the share of a tooth pitch in single contact, 2 - contact ratio (eq 9)."""
     ratio = mesh.contact_ratio or gears.contact_ratio(stage, one, two, sigma, gears.stage_distance(stage))
@@ -296,7 +287,8 @@ def _mesh(
     label = name + number
     law = draft.scene.effects["mesh_law"]
     geometry = gears.mesh_geometry(stage, *wheels, sigma)
-    switched = mesh.double_factor is not None and draft.scene.effects["mesh_stiffness"] == "two-level"
+    single, double = mesh_stiffness.levels(stage, mesh, *wheels, sigma)
+    switched = double is not None and draft.scene.effects["mesh_stiffness"] == "two-level"
     force = draft.statics[name]
     sign = {"auto": -1.0 if force < 0 else 1.0, "printed": 1.0, "opposite": -1.0}[mesh.flank]
     bind = {
@@ -311,7 +303,8 @@ def _mesh(
         bind["inv_0"] = draft.number(f"{name}.inv_alpha_0", gears.involute(geometry.alpha), "rad")
     else:
         bind["d_0"] = draft.number(f"{name}.center_distance", geometry.distance, "m")
-    mean = _stiffness(draft, name, stage, mesh, wheels, sigma, switched, bind)
+    share = 1.0 if double is None else single_share(stage, mesh, *wheels, sigma)
+    mean = _stiffness(draft, name, single, double, share, switched, bind)
     if draft.on("mesh_damping"):
         _mesh_damping(draft, name, mesh, bodies, geometry, mean, bind)
     kind = "external" if sigma > 0 else "internal"
@@ -347,18 +340,15 @@ def _contact(
 
 
 def _stiffness(
-    draft: Draft, name: str, stage: Planetary | Pair, mesh: Mesh, wheels: tuple[Gear, Gear], sigma: int,
-    switched: bool, bind: dict[str, str],
-) -> float:  # fmt: skip
+    draft: Draft, name: str, single: float, double: float | None, share: float, switched: bool, bind: dict[str, str]
+) -> float:
     """Bind the stiffness (one value, or two and a level) and return its mean over a pitch [N/m]."""
-    single = mesh_stiffness(stage, mesh)
-    share = 1.0 if mesh.double_factor is None else single_share(stage, mesh, *wheels, sigma)
-    mean = single * (share + (1 - share) * (mesh.double_factor or 1.0))
+    mean = single if double is None else single * share + double * (1 - share)
     if not switched:
         bind["k"] = draft.number(f"{name}.stiffness", mean, "N/m")
         return mean
     bind["k_1"] = draft.number(f"{name}.stiffness_single", single, "N/m")
-    bind["k_2"] = draft.number(f"{name}.stiffness_double", single * (mesh.double_factor or 1.0), "N/m")
+    bind["k_2"] = draft.number(f"{name}.stiffness_double", double or single, "N/m")
     bind["level"] = LEVEL
     draft.number(f"{name}.single_share", share, "")
     return mean

@@ -6,7 +6,7 @@ from math import degrees, pi, sin, tau
 from typing import Any
 
 from . import gears, train
-from .build import mesh_stiffness
+from .mesh_stiffness import levels
 from .schema import Gear, Mesh, Pair, Planetary, Scene
 from .validate import meshes
 
@@ -79,13 +79,13 @@ def _stage(name: str, stage: Planetary | Pair, speeds: dict[str, float], statics
 
 def _mesh(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> Entry:
     """Describe one mesh: operating pressure angle, contact ratio, stiffness of single and double contact."""
-    single = mesh_stiffness(stage, mesh)
+    single, double = levels(stage, mesh, one, two, sigma)
     return {
         "pressure_angle_deg": degrees(gears.mesh_geometry(stage, one, two, sigma).alpha),
         "contact_ratio": mesh.contact_ratio or _contact_ratio(stage, one, two, sigma),
         "contact_ratio_given": mesh.contact_ratio is not None,
         "stiffness_single_n_per_m": single,
-        "stiffness_double_n_per_m": None if mesh.double_factor is None else single * mesh.double_factor,
+        "stiffness_double_n_per_m": double,
     }
 
 

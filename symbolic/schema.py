@@ -168,12 +168,14 @@ class Mesh(Table):
 
     ``stiffness`` is that of single contact (or the constant one); alternatively
     ``torsional_stiffness`` with its ``reference`` gear, k = K / r_b^2. ``double_factor`` is the
-    paper's xi: double contact is that much stiffer. Without it the stiffness is constant.
+    paper's xi: double contact is that much stiffer. Without it the stiffness is constant. From
+    ``face_width`` both levels are computed (spur gears).
     """
 
     stiffness: Stiffness | None = None
     torsional_stiffness: TorsionalStiffness | None = None
     reference: Literal["sun", "ring", "planet", "input", "output"] | None = None
+    face_width: Length | None = None
     double_factor: Annotated[float, Field(ge=1, le=3)] | None = None
     contact_ratio: Annotated[float, Field(gt=1.000001, lt=1.999999)] | None = None
     phase: Annotated[float, Field(ge=-1, le=1)] = 0.0
@@ -186,8 +188,8 @@ class Mesh(Table):
     def faults(self) -> Iterator[str]:
         """Check that there is one stiffness and one damping."""
         yield from super().faults()
-        if (self.stiffness is None) == (self.torsional_stiffness is None):
-            yield "give either stiffness, or torsional_stiffness with its reference gear"
+        if sum(k is not None for k in (self.stiffness, self.torsional_stiffness, self.face_width)) != 1:
+            yield "give either stiffness, or torsional_stiffness with its reference gear, or face_width"
         elif (self.torsional_stiffness is None) != (self.reference is None):
             yield "torsional_stiffness and reference belong together"
 

@@ -202,7 +202,22 @@ def _mesh(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, s
     choices = tuple(key.rsplit(".", 1)[-1].split("_")) if isinstance(stage, Planetary) else ("input", "output")
     if mesh.reference is not None and mesh.reference not in choices:
         yield f"{key}.reference: must be one of {', '.join(choices)}, not {mesh.reference!r}"
-    if mesh.double_factor is not None:
+    if mesh.face_width is not None:
+        yield from _computable(key, stage, mesh, one, two)
+    elif mesh.double_factor is not None:
+        yield from _contact_ratio(key, stage, mesh, one, two, sigma)
+
+
+def _computable(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear) -> Iterator[str]:
+    """Check that the stiffness follows from the teeth."""
+    if stage.module is None or one.teeth is None or two.teeth is None:
+        yield f"{key}.face_width: needs teeth, module and pressure_angle; give stiffness instead"
+    elif stage.helix_angle:
+        yield f"{key}.face_width: only the stiffness of spur gears is computed; give stiffness for helical ones"
+    elif mesh.contact_ratio is not None:
+        yield f"{key}.contact_ratio: follows from the teeth beside face_width; drop one of them"
+    else:
+        sigma = -1 if key.endswith("ring_planet") else 1
         yield from _contact_ratio(key, stage, mesh, one, two, sigma)
 
 
