@@ -1,6 +1,5 @@
 """A CasADi function bound to NumPy buffers: no conversion, no allocation per call."""
 
-from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -47,7 +46,7 @@ class Kernel:
             raise RuntimeError(f"{self.function.name()} failed")
 
 
-def over_time(function: ca.Function, columns: list[Vector], report: Callable[[int], None] | None = None) -> Vector:
+def over_time(function: ca.Function, columns: list[Vector]) -> Vector:
     """Evaluate a function at many times.
 
     Parameters
@@ -56,8 +55,6 @@ def over_time(function: ca.Function, columns: list[Vector], report: Callable[[in
         One dense result.
     columns
         Per argument an array of shape (times, size), or (size,) where it does not change.
-    report
-        Called with the number of times done, now and then.
 
     Returns
     -------
@@ -76,6 +73,4 @@ def over_time(function: ca.Function, columns: list[Vector], report: Callable[[in
             array[:] = column[k]
         kernel.evaluate()
         out[k] = kernel.results[0]
-        if report is not None and k % 1024 == 0:
-            report(k)
     return out

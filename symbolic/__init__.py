@@ -10,6 +10,7 @@ _HOME = {
     "SceneBuilder": "builder",
     "load_scene": "scene",
     "make_scene": "scene",
+    "restore_scene": "scene",
     "shipped_scenes": "scene",
     "build_model": "build",
     "derive": "equations",
