@@ -18,6 +18,7 @@ from .switching import Cells, Phases, cells_of, crossed, levels_of, time_to_bord
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
+CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
 
 
 @dataclass(frozen=True)
@@ -192,50 +193,63 @@ def integrate(
     Trajectory
         A failure is a status in it, and what was computed until then is kept.
     """
-    count = round(t_end * rate) + 1
-    time = np.arange(count) / rate
-    x, levels = np.empty((count, len(at.x))), np.empty((count, library.functions["phases"].nnz_out(0)))
     clock = perf_counter()
+    count = round(t_end * rate)
     try:
-        run = _Run(library, p, at, method, rtol, count - 1, rate)
+        run = _Run(library, p, at, method, rtol, count, rate)
     except RuntimeError as error:
         raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
     prepared = perf_counter()
-    x[0], levels[0] = at.x, levels_of(run.cells)
-    done, now, status, shown = 1, 0.0, "done", 0.0
-    while done < count:
-        try:
-            duration, path, level = run.segment(time[-1] - now)
-        except RuntimeError as error:
-            status = _reason(method, rtol, now, error)
-            break
-        except KeyboardInterrupt:
-            status = f"interrupted at t = {now:.6g} s; what was computed until then is kept"
-            break
-        last = done + int(np.searchsorted(time[done:], now + duration * (1 + 1e-12), side="right"))
-        if done < last:
-            inside = run.nodes.matrix((time[done:last] - now) / duration)
-            x[done:last] = run.frame.origin + run.frame.scale * (inside @ path)
-            levels[done:last] = level
-        done, now = last, now + duration
-        if perf_counter() - shown > 0.1:
-            shown = perf_counter()
-            told(now)
+    samples = _Samples(run, np.arange(count + 1) / rate)
+    status = _proceed(run, samples, told, f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})")
     expected = None if run.reversed else int(np.abs(cells_of(run.phases(run.z)) - run.first_cells).sum())
     if status == "done" and expected not in (None, run.stepper.counts.events):
         status = f"{run.stepper.counts.events} stiffness switchings, not the {expected} of kinematics: not to be used"
     energy = run.energy(np.zeros_like(run.z), run.first_cells), run.energy(run.z, run.cells)
     return Trajectory(
-        time[:done], x[:done], levels[:done], run.work, run.jump_energy, energy, run.stepper.counts, expected,
-        run.extremes, status, min(now, float(time[-1])),
+        *samples.taken(), run.work, run.jump_energy, energy, run.stepper.counts, expected, run.extremes, status,
+        min(run.time, float(samples.time[-1])),
         {"prepare": prepared - clock, "integrate": perf_counter() - prepared},
     )  # fmt: skip
 
 
-def _reason(method: str, rtol: float, now: float, error: RuntimeError) -> str:
-    """Say why an integration stopped and what to try."""
-    cause = str(error).strip().splitlines()[-1][:200]
-    return (
-        f"{method} stopped at t = {now:.6g} s (rtol {rtol:g}): {cause}; "
-        "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
-    )
+class _Samples:
+    """The uniform samples of a run, filled segment by segment."""
+
+    def __init__(self, run: _Run, time: Vector) -> None:
+        self.run, self.time, self.done = run, time, 1
+        self.x, self.levels = np.empty((len(time), len(run.z))), np.empty((len(time), len(run.cells)))
+        self.x[0], self.levels[0] = run.frame.origin, levels_of(run.cells)
+
+    def take(self, start: float, duration: float, path: Vector, level: Vector) -> None:
+        """Read the samples that lie in a segment, its end included."""
+        end = start + duration * (1 + 1e-12)
+        last = self.done + int(np.searchsorted(self.time[self.done :], end, side="right"))
+        if self.done < last:
+            inside = self.run.nodes.matrix((self.time[self.done : last] - start) / duration)
+            self.x[self.done : last] = self.run.frame.origin + self.run.frame.scale * (inside @ path)
+            self.levels[self.done : last] = level
+        self.done = last
+
+    def taken(self) -> tuple[Vector, Vector, Vector]:
+        """Return times, states and levels so far."""
+        return self.time[: self.done], self.x[: self.done], self.levels[: self.done]
+
+
+def _proceed(run: _Run, samples: _Samples, told: Told, stopped: str) -> str:
+    """Integrate segment by segment to the end; return ``done``, or why it stopped and what to try."""
+    shown = 0.0
+    while samples.done < len(samples.time):
+        start = run.time
+        try:
+            duration, path, level = run.segment(samples.time[-1] - start)
+        except RuntimeError as error:
+            cause = str(error).strip().splitlines()[-1][:200]
+            return f"{stopped.format(start)}: {cause}; {CURE}"
+        except KeyboardInterrupt:
+            return f"interrupted at t = {start:.6g} s; what was computed until then is kept"
+        samples.take(start, duration, path, level)
+        if perf_counter() - shown > 0.1:
+            shown = perf_counter()
+            told(run.time)
+    return "done"
