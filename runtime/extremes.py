@@ -13,7 +13,8 @@ class MeshExtremes:
     """Follow the smallest and largest mesh forces of a run.
 
     Samples miss peaks: a force jumps with its stiffness and then swings at frequencies that the sampling
-    rate does not resolve. Segments end at the jumps and their nodes do resolve the fastest mode.
+    rate does not resolve. Segments end at the jumps and their nodes do resolve the fastest mode. Where
+    nothing switches, nodes are samples and this adds nothing to them.
 
     Parameters
     ----------
@@ -21,13 +22,13 @@ class MeshExtremes:
         Model and parameters.
     nodes
         Nodes of a segment, its start included.
-    half
-        Time from which a force counts as steady [s].
+    end
+        End of the run [s]; from half of it on a force counts as steady, beyond it not at all.
     """
 
-    def __init__(self, library: Library, p: Vector, nodes: int, half: float) -> None:
+    def __init__(self, library: Library, p: Vector, nodes: int, end: float) -> None:
         rows = [i for i, report in enumerate(library.manifest.reports) if report.quantity == "mesh_force"]
-        self.rows, self.half = np.array(rows, dtype=np.int64), half
+        self.rows, self.half, self.end = np.array(rows, dtype=np.int64), end / 2, end
         self.lowest = np.full(len(rows), np.inf)
         self.steady = np.full((2, len(rows)), np.nan)
         outputs = library.functions["outputs"]
@@ -41,7 +42,8 @@ class MeshExtremes:
             return
         self.kernel.arguments[0][:], self.kernel.arguments[1][:] = states.ravel(), levels
         self.kernel.evaluate()
-        forces = self.kernel.results[0].reshape(len(times), -1)[:, self.rows]
+        within = times <= self.end * (1 + 1e-12)
+        forces, times = self.kernel.results[0].reshape(len(times), -1)[:, self.rows][within], times[within]
         self.lowest = np.minimum(self.lowest, forces.min(axis=0))
         late = forces[times >= self.half]
         if len(late):

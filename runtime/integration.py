@@ -108,7 +108,7 @@ class _Run:
         self.first_cells = self.cells
         self.work = self.jump_energy = self.time = 0.0
         self.reversed = False
-        self.extremes = MeshExtremes(library, p, len(self.nodes.points), samples / rate / 2)
+        self.extremes = MeshExtremes(library, p, len(self.nodes.points), samples / rate)
 
     def _layout(self, method: str, samples: int, rate: float) -> tuple[Nodes, float]:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches, else Chebyshev.
