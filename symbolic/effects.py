@@ -1,6 +1,16 @@
-"""The one table of effects: it feeds scene validation, the command line's help and the builder."""
+"""The one table of effects: it feeds scene validation, advice, costs, the command line, the docs and the builder."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """Values of another effect that one cannot stand beside, and why."""
+
+    effect: str
+    values: tuple[str, ...]
+    reason: str
 
 
 @dataclass(frozen=True)
@@ -13,17 +23,26 @@ class Effect:
         Key under ``[effects]`` and its allowed values.
     default
         Value of a scene that does not say.
+    without
+        Value that leaves the effect out: no symbol, no state, no operation of it is generated.
     help
         What it does.
     source
         Equation number or citation.
+    needs
+        Value -> what a scene must have for it to act; a scene without it is warned.
+    excludes
+        Value -> what it cannot stand beside; a scene with both is refused.
     """
 
     name: str
     values: tuple[str, ...]
     default: str
+    without: str
     help: str
     source: str
+    needs: Mapping[str, str] = field(default_factory=dict)
+    excludes: Mapping[str, tuple[Exclusion, ...]] = field(default_factory=dict)
 
 
 EFFECTS: tuple[Effect, ...] = (
@@ -31,27 +50,34 @@ EFFECTS: tuple[Effect, ...] = (
         "mesh_law",
         ("involute", "paper"),
         "involute",
+        "involute",
         "Mesh deflection: the involute's exact law, or the paper's first-order one.",
         "Wu et al. 2021 eqs 7, 23; exact law: gradient equal to the unit line of action",
+        needs={"paper": "a stage"},
     ),
     Effect(
         "mesh_stiffness",
         ("two-level", "mean"),
         "two-level",
+        "mean",
         "Mesh stiffness: single and double contact by mesh phase, or their mean over a tooth pitch.",
         "Wu et al. 2021 eqs 9-11",
+        needs={"two-level": "a mesh with double_factor or face_width"},
     ),
     Effect(
         "contact",
         ("bilateral", "one-flank", "backlash"),
         "bilateral",
+        "bilateral",
         "Tooth contact: the mesh may pull (the paper), pushes on one flank only, or on both with a gap between.",
         "Kahraman and Singh 1990, J. Sound Vib. 142:49, for the gap",
+        needs={"one-flank": "a stage", "backlash": "a stage"},
     ),
     Effect(
         "mesh_damping",
         ("on", "off"),
         "on",
+        "off",
         "Viscous damper along the line of action.",
         "assumed form; damping ratio of the mesh on the gears' equivalent masses",
     ),
@@ -59,13 +85,16 @@ EFFECTS: tuple[Effect, ...] = (
         "mesh_friction",
         ("off", "pitch-point"),
         "off",
+        "off",
         "Tangential mesh force: the paper's Coulomb and viscous force, made dissipative.",
         "Wu et al. 2021 eqs 14, 27",
+        needs={"pitch-point": "a mesh with a friction table; give one its coefficient"},
     ),
     Effect(
         "damping",
         ("on", "off"),
         "on",
+        "off",
         "Viscous dampers of bearings, torsional couplings and supports.",
         "assumed form",
     ),
@@ -73,23 +102,40 @@ EFFECTS: tuple[Effect, ...] = (
         "bearing_friction",
         ("off", "on"),
         "off",
+        "off",
         "Friction torque of the planet bearings.",
         "Wu et al. 2021 eq 30, made dissipative",
+        needs={"on": "a pin with friction or friction_damping; give one"},
     ),
     Effect(
         "planet_position_error",
         ("off", "on"),
         "off",
+        "off",
         "Pins that are not at their nominal place, by position_errors of a planetary stage.",
         "geometry; load sharing under it: Kahraman 1994, Mech. Mach. Theory 29:1151",
+        needs={"on": "position_errors of a planetary stage; give one"},
     ),
     Effect(
         "gravity",
         ("off", "on"),
         "off",
+        "off",
         "Weight of every member that can move sideways.",
         "G in Wu et al. 2021 eqs 31-38",
+        needs={"on": "a member that can move sideways"},
     ),
 )
 
 DEFAULTS: dict[str, str] = {effect.name: effect.default for effect in EFFECTS}
+BY_NAME: dict[str, Effect] = {effect.name: effect for effect in EFFECTS}
+
+
+def contradictions(chosen: Mapping[str, str]) -> Iterator[str]:
+    """Tell which of the chosen values (all effects, by name) cannot stand together; one line a pair."""
+    for effect in EFFECTS:
+        value = chosen[effect.name]
+        for exclusion in effect.excludes.get(value, ()):
+            if chosen[exclusion.effect] in exclusion.values:
+                other = f"{exclusion.effect} = {chosen[exclusion.effect]!r}"
+                yield f".{effect.name}: {value!r} and {other} contradict each other: {exclusion.reason}"

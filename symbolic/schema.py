@@ -9,7 +9,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchem
 from pydantic_core import core_schema
 
 from . import units
-from .effects import DEFAULTS, EFFECTS
+from .effects import DEFAULTS, EFFECTS, contradictions
 
 SAMPLES = 1e8  # the most a result may hold for each of its quantities
 
@@ -313,6 +313,7 @@ def _effects(chosen: object) -> dict[str, str]:
             faults.append(f".{key}: unknown effect; {suggest(key, list(allowed), 'effects')}")
         elif value not in allowed[key]:
             faults.append(f".{key}: {value!r:.60} is not a value of it; {suggest(value, allowed[key], 'values')}")
+    faults = faults or list(contradictions(DEFAULTS | chosen))
     if faults:
         raise ValueError("\n".join(faults))
     return DEFAULTS | chosen

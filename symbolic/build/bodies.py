@@ -1,0 +1,157 @@
+"""Bodies of a model and what ties them to the housing and to each other."""
+
+from math import cos, sin, sqrt
+
+from .. import gears, train
+from ..model import BASIS, Body
+from ..schema import Bearing, Coupling, Member, Planetary, PositionError, Rotor, TorsionalSupport
+from .draft import Draft
+
+
+def _turning(draft: Draft, name: str, member: Member | Rotor) -> str:
+    """Say how a body's angle is described."""
+    if train.is_fixed(member):
+        return "held"
+    if any(load.member == name and load.speed is not None for load in draft.scene.loads.values()):
+        return "driven"
+    return "reference" if draft.rigid.mode == "torque" and draft.rigid.member == name else "free"
+
+
+def add_member(
+    draft: Draft, name: str, member: Member | Rotor, frame: str, place: tuple[str, str] | None = None
+) -> None:
+    """Add a body that is not a planet, with what ties it to the housing."""
+    lateral = isinstance(member, Member) and member.support in ("bearing", "floating")
+    add_body(draft, name, name, member, lateral, frame, place)
+    if isinstance(member, Member) and member.bearing is not None:
+        _ground_bearing(draft, name, member.bearing, place)
+    if member.torsional_support is not None and not train.is_fixed(member):
+        _torsional_support(draft, name, member.torsional_support, train.inertia_of(member)[1])
+    if member.drag is not None and not train.is_fixed(member):
+        draft.place(f"{name}.drag", ("drag",), (name,), c_t=draft.number(f"{name}.drag", member.drag, "N*m*s/rad"))
+
+
+def add_body(
+    draft: Draft, name: str, kin: str, member: Member | Rotor, lateral: bool, frame: str,
+    place: tuple[str, str] | None,
+) -> None:  # fmt: skip
+    """Add a body; equal planets share the parameters of ``kin``."""
+    mass, inertia = train.inertia_of(member)
+    turning = _turning(draft, name, member)
+    moves = turning != "held"
+    runs = moves and draft.rigid.mode != "rest" and draft.rigid.ratios[kin] != 0.0
+    draft.bodies.append(
+        Body(
+            name, lateral, turning,
+            draft.number(f"{kin}.mass", mass, "kg") if lateral else None,
+            draft.number(f"{kin}.inertia", inertia, "kg*m^2") if moves else None,
+            draft.number(f"{kin}.speed_ratio", draft.rigid.ratios[kin], "") if runs else None,
+            place, frame,
+        )
+    )  # fmt: skip
+
+
+def _damper(
+    draft: Draft, key: str, item: Bearing | TorsionalSupport | Coupling, inertia: float, unit: str
+) -> str | None:
+    """Note the damper that goes with a spring: given, or 2 zeta sqrt(k m); None where there is none."""
+    if not draft.on("damping"):
+        return None
+    value = item.damping
+    if value is None and item.damping_ratio is not None:
+        value = 2 * item.damping_ratio * sqrt(item.stiffness * inertia)
+    return None if value is None else draft.number(f"{key}.damping", value, unit)
+
+
+def _origin(draft: Draft, place: tuple[str, str] | None) -> dict[str, str]:
+    """Bind x_0, y_0 of a bearing: the body's place, or the shared zero of a centred one."""
+    x, y = place or (draft.number("origin", 0.0, "m"),) * 2
+    return {"x_0": x, "y_0": y}
+
+
+def _ground_bearing(draft: Draft, name: str, bearing: Bearing, place: tuple[str, str] | None) -> None:
+    """Add the bearing of a member in the housing."""
+    mass = draft.parameters[f"{name}.mass"].value
+    bind = {"k": draft.number(f"{name}.bearing.stiffness", bearing.stiffness, "N/m")}
+    damper = _damper(draft, f"{name}.bearing", bearing, mass, "N*s/m")
+    if damper:
+        bind["c"] = damper
+    draft.place(name, ("ground_bearing", damper is not None), (name,), **bind, **_origin(draft, place))
+
+
+def _torsional_support(draft: Draft, name: str, support: TorsionalSupport, inertia: float) -> None:
+    """Add a torsional spring to the housing."""
+    bind = {"k_t": draft.number(f"{name}.torsional_support.stiffness", support.stiffness, "N*m/rad")}
+    damper = _damper(draft, f"{name}.torsional_support", support, inertia, "N*m*s/rad")
+    if damper:
+        bind["c_t"] = damper
+    draft.place(name, ("torsional_support", damper is not None), (name,), **bind)
+
+
+def reduced(one: float, two: float) -> float:
+    """Return the reduced inertia of two that swing against each other; 0 stands for a held one."""
+    parts = [1 / value for value in (one, two) if value > 0]
+    return 1 / sum(parts) if parts else 0.0
+
+
+def swinging(draft: Draft, name: str, member: Member | Rotor) -> float:
+    """Return a member's inertia, 0 where its motion is held."""
+    held = _turning(draft, name, member) in ("held", "driven")
+    return 0.0 if held else train.inertia_of(member)[1]
+
+
+def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:
+    """Add a torsional coupling."""
+    everyone = train.members(draft.scene)
+    one, two = coupling.between
+    inertia = reduced(swinging(draft, one, everyone[one]), swinging(draft, two, everyone[two]))
+    bind = {"k_t": draft.number(f"couplings.{name}.stiffness", coupling.stiffness, "N*m/rad")}
+    damper = _damper(draft, f"couplings.{name}", coupling, inertia, "N*m*s/rad")
+    if damper:
+        bind["c_t"] = damper
+    draft.place(name, ("coupling", damper is not None), (one, two), **bind)
+
+
+def pin_place(draft: Draft, name: str, number: int, stage: Planetary, direction: float) -> tuple[str, str] | None:
+    """Note where a misplaced pin is; None for a pin at its nominal place."""
+    if not draft.on("planet_position_error") or not stage.position_errors:
+        return None
+    error = next((e for e in stage.position_errors if e.planet == number), PositionError(planet=number))
+    radius = gears.stage_distance(stage) + error.radial
+    x = radius * cos(direction) - error.tangential * sin(direction)
+    y = radius * sin(direction) + error.tangential * cos(direction)
+    pin = f"{name}.pin.{number}"
+    return draft.number(f"{pin}.x_0", x, "m"), draft.number(f"{pin}.y_0", y, "m")
+
+
+def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple[str, str]) -> None:
+    """Add the bearing of one planet on the carrier."""
+    bodies = (f"{name}.carrier", f"{name}.planet.{number}")
+    bind = {
+        "k": draft.number(f"{name}.pin.stiffness", stage.pin.stiffness, "N/m"),
+        "x_0": place[0],
+        "y_0": place[1],
+    }
+    mass = draft.parameters[f"{name}.planet.mass"].value
+    damper = _damper(draft, f"{name}.pin", stage.pin, mass, "N*s/m")
+    label = f"{name}.pin.{number}"
+    draft.place(label, ("pin", damper is not None), bodies, **bind, **({"c": damper} if damper else {}))
+    if draft.on("bearing_friction") and (stage.pin.friction or stage.pin.friction_damping):
+        pin = stage.pin
+        draft.place(
+            label, ("pin_friction",), bodies, **bind,
+            mu=draft.number(f"{name}.pin.friction", pin.friction, ""),
+            d_b=draft.number(f"{name}.pin.diameter", pin.diameter or 0.0, "m"),
+            c_r=draft.number(f"{name}.pin.friction_damping", pin.friction_damping or 0.0, "N*m*s/rad"),
+            omega_0=draft.number(f"{name}.pin.friction_speed", pin.friction_speed, "rad/s"),
+            F_0=draft.number(f"{name}.pin.friction_load", pin.friction_load, "N"),
+        )  # fmt: skip
+
+
+def add_gravity(draft: Draft) -> None:
+    """Add the weight of every body that can move sideways."""
+    x, y = draft.scene.gravity
+    bind = {"g_x": draft.number("gravity.x", x, "m/s^2"), "g_y": draft.number("gravity.y", y, "m/s^2")}
+    for body in draft.bodies:
+        if body.lateral and body.mass is not None:
+            draft.place(body.name, ("gravity",), (body.name,), m=body.mass, beta=BASIS, **bind)

@@ -1,0 +1,36 @@
+"""The model while it is being put together, the only mutable value of the pipeline."""
+
+from dataclasses import dataclass, field
+
+from .. import train
+from ..model import Body, Instance, Level, Parameter, Rolling
+from ..schema import Scene
+
+
+@dataclass
+class Draft:
+    """The model while it is being put together (the only mutable value of the pipeline)."""
+
+    scene: Scene
+    rigid: train.Motion
+    statics: dict[str, float]
+    bodies: list[Body] = field(default_factory=list)
+    instances: list[Instance] = field(default_factory=list)
+    levels: list[Level] = field(default_factory=list)
+    rollings: list[Rolling] = field(default_factory=list)
+    parameters: dict[str, Parameter] = field(default_factory=dict)
+    frames: dict[str, str | None] = field(default_factory=lambda: {"": None})
+
+    def number(self, name: str, value: float, unit: str) -> str:
+        """Note a parameter and return its name."""
+        self.parameters[name] = Parameter(name, float(value), unit)
+        return name
+
+    def place(self, name: str, element: tuple[str | bool, ...], bodies: tuple[str, ...], **bind: str) -> None:
+        """Note an element instance."""
+        group = str(element[0])
+        self.instances.append(Instance(name, group, element, bodies, bind))
+
+    def on(self, effect: str) -> bool:
+        """Tell whether an on/off effect is on."""
+        return self.scene.effects[effect] == "on"
