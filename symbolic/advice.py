@@ -26,7 +26,7 @@ def _idle_effects(scene: Scene, model: Model) -> Iterator[str]:
         value = scene.effects[effect.name]
         if value not in effect.needs:
             continue
-        other = build_model(without(scene, effect.name, effect.without))
+        other = build_model(without(scene, effect.name, effect.default if value == effect.without else effect.without))
         if (other.structure(), other.values()) == here:
             yield f"effects.{effect.name} = {value!r} cannot act: it needs {effect.needs[value]}"
 

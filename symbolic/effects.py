@@ -56,6 +56,41 @@ EFFECTS: tuple[Effect, ...] = (
         needs={"paper": "a stage"},
     ),
     Effect(
+        "lateral",
+        ("on", "off"),
+        "on",
+        "off",
+        "Sideways motion of members and planets; off leaves a torsional model.",
+        "x and y in Wu et al. 2021; torsional model: Kahraman 1994, J. Sound Vib. 173:125",
+        excludes={
+            "off": (
+                Exclusion("mesh_law", ("paper",), "without sideways motion only the involute's law has a meaning"),
+                Exclusion("bearing_friction", ("on",), "it acts with the pin's force, which is then not known"),
+            )
+        },
+    ),
+    Effect(
+        "pins",
+        ("flexible", "rigid"),
+        "flexible",
+        "rigid",
+        "Planet bearings: a spring-damper each, or rigid, so that planets move with their carrier.",
+        "flexible: Wu et al. 2021 eqs 29-30; rigid: a constraint, Newton-Euler equations of carrier and planets",
+        needs={"rigid": "a planetary stage that moves sideways"},
+        excludes={
+            "rigid": (Exclusion("bearing_friction", ("on",), "it acts with the pin's force, a rigid one has none"),)
+        },
+    ),
+    Effect(
+        "torsional_shafts",
+        ("flexible", "rigid"),
+        "flexible",
+        "rigid",
+        "Couplings: torsional springs, or rigid, so that the members they join share one angle.",
+        "flexible: Wu et al. 2021 Table 5; rigid: a constraint",
+        needs={"rigid": "a coupling"},
+    ),
+    Effect(
         "mesh_stiffness",
         ("two-level", "mean"),
         "two-level",

@@ -33,16 +33,23 @@ class Body:
     lateral
         Whether it can move sideways.
     turning
-        ``free`` (own deviation from the rigid motion), ``held`` (angle zero), ``driven`` (held speed) or
-        ``reference`` (its angle is the reference angle).
+        ``free`` (own deviation from the rigid motion), ``held`` (angle zero), ``driven`` (held speed),
+        ``reference`` (its angle is the reference angle), ``led`` (it turns with its leader) or ``point`` (the
+        same, for a point of its leader that is no member).
     mass, inertia
-        Parameter names, None where nothing needs them.
+        Parameter names, None where nothing needs them. Both count what is rigidly joined to the body.
     ratio
         Parameter name of its speed over the reference speed; None where it stands still.
     place
-        Parameter names of its nominal position in the frame; None at the frame's origin.
+        Parameter names of its nominal position in the frame, or on its seat; None at the origin.
     frame
         Name of the frame it is described in.
+    leader
+        The body whose deviation of angle it shares.
+    seat
+        The body on which it sits at its place, turning about that body's centre with it.
+    moment
+        Parameter names of mass times offset of what sits on it [kg m], at angle zero; None where balanced.
     """
 
     name: str
@@ -53,6 +60,9 @@ class Body:
     ratio: str | None
     place: tuple[str, str] | None
     frame: str
+    leader: str | None = None
+    seat: str | None = None
+    moment: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ class Draft:
     rollings: list[Rolling] = field(default_factory=list)
     parameters: dict[str, Parameter] = field(default_factory=dict)
     frames: dict[str, str | None] = field(default_factory=lambda: {"": None})
+    leaders: dict[str, str] = field(default_factory=dict)
 
     def number(self, name: str, value: float, unit: str) -> str:
         """Note a parameter and return its name."""

@@ -99,7 +99,7 @@ def _mesh_damping(
     if value is None and mesh.damping_ratio is not None:
         everyone = train.members(draft.scene)
         kin = [body if body in everyone else body.rsplit(".", 1)[0] for body in bodies]
-        one, two = (swinging(draft, key, everyone[key]) for key in kin)
+        one, two = (swinging(draft, key) for key in kin)
         mass = reduced(one / geometry.r1**2, two / geometry.r2**2)
         value = 2 * mesh.damping_ratio * sqrt(mean * mass)
     if value:
