@@ -83,12 +83,12 @@ EFFECTS: tuple[Effect, ...] = (
     ),
     Effect(
         "mesh_friction",
-        ("off", "pitch-point"),
+        ("off", "pitch-point", "sliding"),
         "off",
         "off",
-        "Tangential mesh force: the paper's Coulomb and viscous force, made dissipative.",
-        "Wu et al. 2021 eqs 14, 27",
-        needs={"pitch-point": "a mesh with a friction table; give one its coefficient"},
+        "Tangential mesh force: the paper's at the pitch point, made dissipative, or Coulomb's at the tooth contacts.",
+        "Wu et al. 2021 eqs 14, 27; load sharing of the contacts: ISO/TR 15144-1",
+        needs=dict.fromkeys(("pitch-point", "sliding"), "a mesh with a friction table; give one its coefficient"),
     ),
     Effect(
         "damping",

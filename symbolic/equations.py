@@ -14,7 +14,7 @@ from ltcgear.generated.contract import Report, State
 
 from .elements import make
 from .lower import body_function, element_function
-from .model import BACK, BASIS, LEVEL, TURN, Body, Instance, Model
+from .model import BACK, BASIS, LEVEL, PHASE, TURN, Body, Instance, Model
 
 QUANTITIES = {
     ("mesh", "force"): ("mesh_force", "mesh"),
@@ -22,6 +22,7 @@ QUANTITIES = {
     ("mesh", "contact"): ("mesh_contact", "mesh"),
     ("mesh", "pressure_angle"): ("pressure_angle", "mesh"),
     ("mesh_friction", "friction"): ("mesh_friction", "mesh"),
+    ("mesh_sliding", "friction"): ("mesh_friction", "mesh"),
     ("pin", "force_x"): ("pin_force_x", "pin"),
     ("pin", "force_y"): ("pin_force_y", "pin"),
     ("pin_friction", "friction_torque"): ("pin_friction_torque", "pin"),
@@ -176,13 +177,22 @@ class _Assembly:
     def _bound(self, instance: Instance) -> dict[str, Any]:
         """Return the values of an element's parameters."""
         beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
-        special = {LEVEL: self.level.get(instance.name.removesuffix(BACK)), TURN: ca.SX(0), BASIS: beta}
+        mesh = instance.name.removesuffix(BACK)
+        special = {LEVEL: self.level.get(mesh), TURN: ca.SX(0), BASIS: beta, PHASE: self.mesh_phase_of(mesh)}
         if self.basis == "inertial":
             special |= {TURN: beta, BASIS: ca.SX(0)}
         bound = {key: special[name] if name in special else self.number[name] for key, name in instance.bind.items()}
         if self.basis == "inertial" and "e_x" in bound:
             bound["e_x"], bound["e_y"] = _rotate(beta, bound["e_x"], bound["e_y"])
         return bound
+
+    def mesh_phase_of(self, mesh: str) -> Any:  # noqa: ANN401
+        """Return the phase tau [cycles] of a mesh with an element that follows it; None for others."""
+        phase = next((phase for phase in self.model.phases if phase.name == mesh), None)
+        if phase is None:
+            return None
+        start = self.number[phase.start]
+        return start if phase.rate is None else self.number[phase.rate] * self.phi + start
 
     def equations(self) -> Equations:
         """Sum everything up."""

@@ -8,7 +8,7 @@ the store is ready without deriving anything.
 import json
 from dataclasses import asdict, dataclass
 
-LEVEL, TURN, BASIS = "@level", "@turn", "@basis"
+LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
 
@@ -60,7 +60,7 @@ class Instance:
     """An element at work: its type, the bodies at its ports, and where its parameters come from.
 
     ``bind`` maps the element's parameter names to parameter names of the model, or to ``@level`` (the
-    mesh's stiffness level), ``@turn`` (how far the frame has turned) and ``@basis``.
+    mesh's stiffness level), ``@phase`` (its phase), ``@turn`` (how far the frame has turned) and ``@basis``.
     """
 
     name: str
@@ -84,6 +84,15 @@ class Level:
 
 
 @dataclass(frozen=True)
+class Phase:
+    """The phase tau = rate * phi + start [cycles] of a mesh with an element that follows it; no rate at rest."""
+
+    name: str
+    rate: str | None
+    start: str
+
+
+@dataclass(frozen=True)
 class Rolling:
     """How a mesh's phase follows from its first gear: teeth / 2 pi, and its motion against the frame."""
 
@@ -104,6 +113,7 @@ class Model:
     frames: dict[str, str | None]
     instances: tuple[Instance, ...]
     levels: tuple[Level, ...]
+    phases: tuple[Phase, ...]
     rollings: tuple[Rolling, ...]
     parameters: tuple[Parameter, ...]
     effects: dict[str, str]

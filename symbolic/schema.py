@@ -156,7 +156,7 @@ class Gear(Member):
 
 
 class Friction(Table):
-    """Pitch-point friction of a mesh; acts when ``mesh_friction`` is on."""
+    """Friction of a mesh; acts when ``mesh_friction`` is on, ``damping`` at the pitch point only."""
 
     coefficient: Annotated[float, Field(ge=0, lt=1)]
     speed: Velocity = 0.01

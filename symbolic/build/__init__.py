@@ -45,8 +45,8 @@ def build_model(scene: Scene) -> Model:
         add_gravity(draft)
     return Model(
         scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, tuple(draft.instances),
-        tuple(draft.levels), tuple(draft.rollings), tuple(draft.parameters.values()), dict(scene.effects),
-        draft.statics,
+        tuple(draft.levels), tuple(draft.phases), tuple(draft.rollings), tuple(draft.parameters.values()),
+        dict(scene.effects), draft.statics,
     )  # fmt: skip
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from .. import train
-from ..model import Body, Instance, Level, Parameter, Rolling
+from ..model import Body, Instance, Level, Parameter, Phase, Rolling
 from ..schema import Scene
 
 
@@ -17,6 +17,7 @@ class Draft:
     bodies: list[Body] = field(default_factory=list)
     instances: list[Instance] = field(default_factory=list)
     levels: list[Level] = field(default_factory=list)
+    phases: list[Phase] = field(default_factory=list)
     rollings: list[Rolling] = field(default_factory=list)
     parameters: dict[str, Parameter] = field(default_factory=dict)
     frames: dict[str, str | None] = field(default_factory=lambda: {"": None})

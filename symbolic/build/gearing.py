@@ -3,16 +3,11 @@
 from math import cos, pi, sin, sqrt
 
 from .. import gears, mesh_stiffness, train
-from ..model import BACK, LEVEL, TURN, Level, Rolling
+from ..model import BACK, LEVEL, PHASE, TURN, Level, Phase, Rolling
 from ..schema import Gear, Mesh, Pair, Planetary
 from .bodies import reduced, swinging
 from .draft import Draft
-
-
-def single_share(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> float:
-    """Return the share of a tooth pitch in single contact, 2 - contact ratio (eq 9)."""
-    ratio = mesh.contact_ratio or gears.contact_ratio(stage, one, two, sigma, gears.stage_distance(stage))
-    return 2.0 - ratio
+from .friction import add_friction
 
 
 def add_mesh(
@@ -39,20 +34,13 @@ def add_mesh(
         bind["inv_0"] = draft.number(f"{name}.inv_alpha_0", gears.involute(geometry.alpha), "rad")
     else:
         bind["d_0"] = draft.number(f"{name}.center_distance", geometry.distance, "m")
-    share = 1.0 if double is None else single_share(stage, mesh, *wheels, sigma)
+    share = 1.0 if double is None else gears.single_share(stage, mesh, *wheels, sigma)
     mean = _stiffness(draft, name, single, double, share, switched, bind)
     if draft.on("mesh_damping"):
         _mesh_damping(draft, name, mesh, bodies, geometry, mean, bind)
     kind = "external" if sigma > 0 else "internal"
     _contact(draft, name, label, mesh, bodies, (kind, law, switched, "c" in bind), bind)
-    if draft.scene.effects["mesh_friction"] == "pitch-point" and mesh.friction is not None:
-        bind.pop("c", None)
-        bind |= {
-            "mu": draft.number(f"{name}.friction.coefficient", mesh.friction.coefficient, ""),
-            "v_0": draft.number(f"{name}.friction.speed", mesh.friction.speed, "m/s"),
-            "c_t": draft.number(f"{name}.friction.damping", mesh.friction.damping or 0.0, "N*s/m"),
-        }
-        draft.place(label, ("mesh_friction", kind, law, switched), bodies, **bind)
+    add_friction(draft, name, label, stage, mesh, wheels, sigma)
     if wheels[0].teeth is not None:
         _phase(draft, name, label, mesh, bodies[0], wheels[0].teeth, direction, switched)
 
@@ -120,8 +108,12 @@ def _phase(
     per_turn = draft.number(f"{name}.teeth_1", sense, "")
     start = draft.number(f"{label}.phase", mesh.phase - sense * direction / (2 * pi), "")
     draft.rollings.append(Rolling(label, per_turn, gear, start))
-    if not switched:
+    followed = any(i.name.removesuffix(BACK) == label and PHASE in i.bind.values() for i in draft.instances)
+    if not (switched or followed):
         return
     runs = draft.rigid.mode != "rest" and relative != 0.0
     rate = draft.number(f"{name}.cycles", sense * relative / (2 * pi), "1/rad") if runs else None
-    draft.levels.append(Level(label, rate, start, f"{name}.single_share"))
+    if switched:
+        draft.levels.append(Level(label, rate, start, f"{name}.single_share"))
+    if followed:
+        draft.phases.append(Phase(label, rate, start))

@@ -40,6 +40,7 @@ def judged(name: str, value: float, tolerance: float, note: str) -> Check:
 
 TITLES = {
     "mesh_friction": "mesh friction",
+    "mesh_sliding": "mesh sliding friction",
     "pin": "planet bearing",
     "pin_friction": "planet bearing friction",
     "ground_bearing": "housing bearing",
@@ -57,7 +58,7 @@ def title(key: Key) -> str:
     words = [str(option) for option in key[1:] if isinstance(option, str)]
     flags = [option for option in key[1:] if isinstance(option, bool)]
     extra = []
-    if key[0] in ("mesh", "mesh_friction"):
+    if key[0] in ("mesh", "mesh_friction", "mesh_sliding"):
         extra = [f"{words.pop(1)} law", "two-level stiffness" if flags.pop(0) else "constant stiffness", *words[1:]]
         words = words[:1]
     extra += ["damped" if flag else "undamped" for flag in flags]

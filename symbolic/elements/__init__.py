@@ -8,11 +8,13 @@ from .bearing import ground_bearing, pin, pin_friction
 from .gravity import gravity
 from .mesh import mesh
 from .mesh_friction import mesh_friction
+from .mesh_sliding import mesh_sliding
 from .torsion import coupling, drag, external_torque, torsional_support
 
 TYPES: dict[str, Callable[..., Element]] = {
     "mesh": mesh,
     "mesh_friction": mesh_friction,
+    "mesh_sliding": mesh_sliding,
     "pin": pin,
     "pin_friction": pin_friction,
     "ground_bearing": ground_bearing,
