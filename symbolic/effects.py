@@ -108,6 +108,15 @@ EFFECTS: tuple[Effect, ...] = (
         needs={"on": "a pin with friction or friction_damping; give one"},
     ),
     Effect(
+        "bearing_clearance",
+        ("off", "on"),
+        "off",
+        "off",
+        "Radial clearance of bearings and planet bearings: no force before it is used up.",
+        "Kahraman and Singh 1991, J. Sound Vib. 144:469",
+        needs={"on": "a bearing or pin with clearance; give one"},
+    ),
+    Effect(
         "planet_position_error",
         ("off", "on"),
         "off",

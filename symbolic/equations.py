@@ -28,6 +28,11 @@ QUANTITIES = {
     ("pin_friction", "friction_torque"): ("pin_friction_torque", "pin"),
     ("ground_bearing", "force_x"): ("bearing_force_x", "bearing"),
     ("ground_bearing", "force_y"): ("bearing_force_y", "bearing"),
+    ("pin_clearance", "force_x"): ("pin_force_x", "pin"),
+    ("pin_clearance", "force_y"): ("pin_force_y", "pin"),
+    ("pin_clearance_friction", "friction_torque"): ("pin_friction_torque", "pin"),
+    ("ground_clearance", "force_x"): ("bearing_force_x", "bearing"),
+    ("ground_clearance", "force_y"): ("bearing_force_y", "bearing"),
     ("coupling", "torque"): ("coupling_torque", "coupling"),
     ("torsional_support", "torque"): ("support_torque", "support"),
 }

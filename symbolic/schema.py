@@ -90,11 +90,21 @@ class Disc(Table):
 
 
 class Bearing(Table):
-    """Isotropic radial spring-damper; a damping ratio refers to the member's own mass."""
+    """Isotropic radial spring-damper; a damping ratio refers to the member's own mass.
+
+    The radial ``clearance`` acts when ``bearing_clearance`` is on.
+    """
 
     stiffness: Stiffness
     damping: Damping | None = None
     damping_ratio: Ratio | None = None
+    clearance: Bore | None = None
+
+    def faults(self) -> Iterator[str]:
+        """Check the clearance."""
+        yield from super().faults()
+        if self.clearance is not None and self.clearance < 0:
+            yield ".clearance: must not be negative; a bearing that is preloaded has none"
 
 
 class PinBearing(Bearing):

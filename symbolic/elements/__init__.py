@@ -5,6 +5,7 @@ from functools import cache
 
 from .base import Element, Output, Port
 from .bearing import ground_bearing, pin, pin_friction
+from .clearance import ground_clearance, pin_clearance, pin_clearance_friction
 from .gravity import gravity
 from .mesh import mesh
 from .mesh_friction import mesh_friction
@@ -18,6 +19,9 @@ TYPES: dict[str, Callable[..., Element]] = {
     "pin": pin,
     "pin_friction": pin_friction,
     "ground_bearing": ground_bearing,
+    "pin_clearance": pin_clearance,
+    "pin_clearance_friction": pin_clearance_friction,
+    "ground_clearance": ground_clearance,
     "coupling": coupling,
     "torsional_support": torsional_support,
     "drag": drag,
