@@ -92,11 +92,17 @@ EFFECTS: tuple[Effect, ...] = (
     ),
     Effect(
         "damping",
-        ("on", "off"),
+        ("on", "off", "rayleigh"),
         "on",
         "off",
-        "Viscous dampers of bearings, torsional couplings and supports.",
-        "assumed form",
+        "Viscous dampers of bearings, couplings and supports: their own, or Rayleigh's, alpha M + beta K.",
+        "assumed form; Rayleigh 1877, The Theory of Sound, section 102",
+        excludes={
+            "rayleigh": (
+                Exclusion("contact", ("one-flank", "backlash"), "teeth that part have no constant damper"),
+                Exclusion("bearing_clearance", ("on",), "a bearing with clearance has no constant damper"),
+            )
+        },
     ),
     Effect(
         "bearing_friction",

@@ -158,12 +158,21 @@ class _Assembly:
             x, y = x + self.number[body.place[0]], y + self.number[body.place[1]]
         if rates == "frame" and self.basis == "frame":
             return [x, y, u], [vx, vy, w]
+        if rates == "deviation":
+            return self._turned(body, [x, y, u], [vx, vy, w])
         beta, turn = self.frame_turn(body)
         ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
         vx, vy, w = vx - turn * y, vy + turn * x, w + ratio * self.speed
         if self.basis == "frame":
             return [x, y, u], [vx, vy, w]
         return [*_rotate(beta, x, y), u + ratio * self.phi], [*_rotate(beta, vx, vy), w]
+
+    def _turned(self, body: Body, at: list[Any], rates: list[Any]) -> tuple[list[Any], list[Any]]:
+        """Return position and rates in the frame, resolved in the basis chosen."""
+        if self.basis == "frame":
+            return at, rates
+        beta, _ = self.frame_turn(body)
+        return [*_rotate(beta, *at[:2]), self._angle(body)], [*_rotate(beta, *rates[:2]), rates[2]]
 
     def call(self, instance: Instance) -> dict[str, Any]:
         """Evaluate one element instance."""
@@ -364,8 +373,15 @@ class _Assembly:
                 weight += result["potential"]
             else:
                 strain += result["potential"]
-                lost += result["loss"]
+                lost += self._loss(instance, result)
         return ca.vertcat(kinetic, strain, weight, given, lost)
+
+    def _loss(self, instance: Instance, result: dict[str, Any]) -> Any:  # noqa: ANN401
+        """Return the power that an element takes; one that sees deviations works against the rigid motion too."""
+        if make(instance.element).rates != "deviation":
+            return result["loss"]
+        body = self.bodies[instance.bodies[0]]
+        return -ca.dot(result["force"], ca.vertcat(*self.port(body, "absolute")[1]))
 
 
 def _rotate(angle: Any, x: Any, y: Any) -> list[Any]:  # noqa: ANN401

@@ -46,6 +46,8 @@ TorsionalDamping = Annotated[float, Quantity("N*m*s/rad", positive=True)]
 Density = Annotated[float, Quantity("kg/m^3", positive=True)]
 Duration = Annotated[float, Quantity("s", positive=True)]
 Rate = Annotated[float, Quantity("1/s", positive=True)]
+DecayRate = Annotated[float, Quantity("1/s")]
+DecayTime = Annotated[float, Quantity("s")]
 Speed = Annotated[float, Quantity("rad/s")]
 SmallSpeed = Annotated[float, Quantity("rad/s", positive=True)]
 Torque = Annotated[float, Quantity("N*m")]
@@ -300,6 +302,21 @@ class Load(Table):
             yield ".initial_speed: goes with torque; speed is held from the start"
 
 
+class Rayleigh(Table):
+    """Factors of Rayleigh damping, C = mass M + stiffness K; acts when ``damping`` is ``rayleigh``."""
+
+    mass: DecayRate = 0.0
+    stiffness: DecayTime = 0.0
+
+    def faults(self) -> Iterator[str]:
+        """Check that they damp."""
+        for key in ("mass", "stiffness"):
+            if getattr(self, key) < 0:
+                yield f".{key}: must not be negative"
+        if self.mass == self.stiffness == 0:
+            yield "damps nothing; give mass or stiffness, or both"
+
+
 class Simulation(Table):
     """Defaults of ``ltcgear simulate`` for this scene."""
 
@@ -347,4 +364,10 @@ class Scene(Table):
     gravity: Annotated[list[Acceleration], Field(min_length=2, max_length=2)] = [0.0, -9.80665]
     effects: Annotated[dict[str, str], BeforeValidator(_effects)] = DEFAULTS
     simulation: Simulation = Simulation()
+    rayleigh: Rayleigh | None = None
     sources: dict[str, str] = {}
+
+    def faults(self) -> Iterator[str]:
+        """Check that effects of the whole train have their table."""
+        if self.effects["damping"] == "rayleigh" and self.rayleigh is None:
+            yield "effects.damping: 'rayleigh' needs a [rayleigh] table; give it mass or stiffness"

@@ -6,6 +6,7 @@ from .. import gears, train
 from ..model import BASIS, Body
 from ..schema import Bearing, Coupling, Member, Planetary, PositionError, Rotor, TorsionalSupport
 from .draft import Draft
+from .rayleigh import rayleigh_of
 
 
 def _turning(draft: Draft, name: str, member: Member | Rotor) -> str:
@@ -54,7 +55,10 @@ def add_body(
 def _damper(
     draft: Draft, key: str, item: Bearing | TorsionalSupport | Coupling, inertia: float, unit: str
 ) -> str | None:
-    """Note the damper that goes with a spring: given, or 2 zeta sqrt(k m); None where there is none."""
+    """Note the damper that goes with a spring: given, 2 zeta sqrt(k m), or Rayleigh's; None where there is none."""
+    factors = rayleigh_of(draft)
+    if factors is not None and factors.stiffness:
+        return draft.number(f"{key}.damping", factors.stiffness * item.stiffness, unit)
     if not draft.on("damping"):
         return None
     value = item.damping

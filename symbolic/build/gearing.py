@@ -8,6 +8,7 @@ from ..schema import Gear, Mesh, Pair, Planetary
 from .bodies import reduced, swinging
 from .draft import Draft
 from .friction import add_friction
+from .rayleigh import rayleigh_of
 
 
 def add_mesh(
@@ -82,8 +83,9 @@ def _mesh_damping(
     draft: Draft, name: str, mesh: Mesh, bodies: tuple[str, str], geometry: gears.MeshGeometry, mean: float,
     bind: dict[str, str],
 ) -> None:  # fmt: skip
-    """Bind the mesh damper: given, or 2 zeta sqrt(k m) on the gears' equivalent mass 1/(r1^2/I1 + r2^2/I2)."""
-    value = mesh.damping
+    """Bind the mesh damper: Rayleigh's, given, or 2 zeta sqrt(k m) on the equivalent mass 1/(r1^2/I1 + r2^2/I2)."""
+    factors = rayleigh_of(draft)
+    value = mesh.damping if factors is None else factors.stiffness * mean
     if value is None and mesh.damping_ratio is not None:
         everyone = train.members(draft.scene)
         kin = [body if body in everyone else body.rsplit(".", 1)[0] for body in bodies]

@@ -52,6 +52,7 @@ TITLES = {
     "drag": "rotor drag",
     "external_torque": "load torque",
     "gravity": "weight",
+    "rayleigh": "Rayleigh damping by mass",
 }
 
 
