@@ -155,6 +155,7 @@ EFFECTS: tuple[Effect, ...] = (
         "off",
         "Viscous dampers of bearings, couplings and supports: their own, or Rayleigh's, alpha M + beta K.",
         "assumed form; Rayleigh 1877, The Theory of Sound, section 102",
+        needs={"rayleigh": "a rayleigh table; give it mass or stiffness"},
         excludes={
             "rayleigh": (
                 Exclusion("contact", ("one-flank", "backlash"), "teeth that part have no constant damper"),

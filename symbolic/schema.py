@@ -442,8 +442,3 @@ class Scene(Table):
     simulation: Simulation = Simulation()
     rayleigh: Rayleigh | None = None
     sources: dict[str, str] = {}
-
-    def faults(self) -> Iterator[str]:
-        """Check that effects of the whole train have their table."""
-        if self.effects["damping"] == "rayleigh" and self.rayleigh is None:
-            yield "effects.damping: 'rayleigh' needs a [rayleigh] table; give it mass or stiffness"

@@ -6,6 +6,7 @@ from ltcgear.generated.errors import SceneError
 from ltcgear.runtime.kernel import over_time
 from ltcgear.runtime.modes import find_modes
 from ltcgear.runtime.results import energy_residual
+from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model
 from ltcgear.symbolic.scene import load_scene, make_scene
@@ -84,10 +85,15 @@ def test_a_factor_of_nothing_leaves_nothing():
     assert not any(instance.group == "rayleigh" for instance in case("psh", *settings).model.instances)
 
 
+def test_a_scene_without_the_table_is_warned():
+    (line,) = warnings(load_scene("psh", {"effects.damping": "rayleigh"}))
+    assert "it needs a rayleigh table" in line
+    assert warnings(load_scene("psh", ON_SET)) == []
+
+
 @pytest.mark.parametrize(
     ("settings", "words"),
     [
-        (ON[:1], "needs a .rayleigh. table"),
         ((*ON[:1], "rayleigh.mass = '0 1/s'"), "damps nothing"),
         ((*ON[:1], "rayleigh.mass = '-1 1/s'"), "rayleigh.mass: must not be negative"),
         ((*ON, "effects.contact = 'backlash'"), "no constant damper"),
