@@ -150,8 +150,10 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
 
 def add_gravity(draft: Draft) -> None:
     """Add the weight of every body that can move sideways."""
+    heavy = [body for body in draft.bodies if body.lateral and body.mass is not None]
+    if not heavy:
+        return
     x, y = draft.scene.gravity
     bind = {"g_x": draft.number("gravity.x", x, "m/s^2"), "g_y": draft.number("gravity.y", y, "m/s^2")}
-    for body in draft.bodies:
-        if body.lateral and body.mass is not None:
-            draft.place(body.name, ("gravity",), (body.name,), m=body.mass, beta=BASIS, **bind)
+    for body in heavy:
+        draft.place(body.name, ("gravity",), (body.name,), m=body.mass or "", beta=BASIS, **bind)

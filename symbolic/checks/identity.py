@@ -85,6 +85,7 @@ def first_order(label: str, element: Element, instance: Instance, model: Model) 
     """Measure how far the paper's law is from its energy under load, and that this shrinks linearly."""
     load = model.statics[".".join(instance.name.split(".")[:2])]
     values = bound_values(instance, model)
+    values |= {"gap": 0.0} if "gap" in values else {}  # in its gap a flank has no force whose error could be told
     stiffness = values.get("k", values.get("k_1", 1.0))
     size = abs(load) / stiffness or 1e-4 * values["d_0"]
     whole, tenth = (relative_difference(element, values, size * share) for share in (1.0, 0.1))
