@@ -21,7 +21,8 @@ def _idle_effects(scene: Scene, model: Model) -> Iterator[str]:
         value = scene.effects[effect.name]
         if value not in effect.needs:
             continue
-        if same_model(build_model(with_value(scene, effect.name, effect.without)), model):
+        other = effect.default if value == effect.without else effect.without
+        if same_model(build_model(with_value(scene, effect.name, other)), model):
             yield f"effects.{effect.name} = {value!r} cannot act: it needs {effect.needs[value]}"
 
 

@@ -56,13 +56,70 @@ EFFECTS: tuple[Effect, ...] = (
         needs={"paper": "a stage"},
     ),
     Effect(
+        "lateral",
+        ("on", "off"),
+        "on",
+        "off",
+        "Sideways motion of members and planets; off leaves a torsional model.",
+        "x and y in Wu et al. 2021; torsional model: Kahraman 1994, J. Sound Vib. 173:125",
+        excludes={
+            "off": (
+                Exclusion("mesh_law", ("paper",), "without sideways motion only the involute's law has a meaning"),
+                Exclusion("bearing_friction", ("on",), "it acts with the pin's force, which is then not known"),
+            )
+        },
+    ),
+    Effect(
+        "pins",
+        ("flexible", "rigid"),
+        "flexible",
+        "rigid",
+        "Planet bearings: a spring-damper each, or rigid, so that planets move with their carrier.",
+        "flexible: Wu et al. 2021 eqs 29-30; rigid: a constraint, Newton-Euler equations of carrier and planets",
+        needs={"rigid": "a planetary stage that moves sideways"},
+        excludes={
+            "rigid": (Exclusion("bearing_friction", ("on",), "it acts with the pin's force, a rigid one has none"),)
+        },
+    ),
+    Effect(
+        "torsional_shafts",
+        ("flexible", "rigid"),
+        "flexible",
+        "rigid",
+        "Couplings: torsional springs, or rigid, so that the members they join share one angle.",
+        "flexible: Wu et al. 2021 Table 5; rigid: a constraint",
+        needs={"rigid": "a coupling"},
+    ),
+    Effect(
         "mesh_stiffness",
-        ("two-level", "mean"),
+        ("two-level", "mean", "smooth", "fourier", "computed"),
         "two-level",
         "mean",
-        "Mesh stiffness: single and double contact by mesh phase, or their mean over a tooth pitch.",
-        "Wu et al. 2021 eqs 9-11",
-        needs={"two-level": "a mesh with double_factor or face_width"},
+        "Mesh stiffness over the mesh phase: single and double contact with jumps between, their mean, the same "
+        "with smooth transitions, a few harmonics of it, or the curve computed from the teeth.",
+        "Wu et al. 2021 eqs 9-11; computed: potential-energy method, Yang and Lin 1987, J. Mech. Des. 109:189",
+        needs={
+            "two-level": "a mesh with double_factor or face_width",
+            "smooth": "a mesh with double_factor or face_width",
+            "fourier": "a mesh with double_factor or face_width",
+            "computed": "a mesh with face_width and no double_factor",
+        },
+    ),
+    Effect(
+        "stiffness_torque",
+        ("off", "on"),
+        "off",
+        "off",
+        "Mesh stiffness by the gear's own angle, so that the work of its change is a torque on the gear; off, it "
+        "varies with the nominal motion, from which it takes that work.",
+        "Oh, Grosh and Barber 2005, J. Vib. Acoust. 127:208",
+        needs={"on": "a mesh whose stiffness varies smoothly: smooth or fourier, with double_factor or face_width"},
+        excludes={
+            "on": (
+                Exclusion("mesh_stiffness", ("two-level", "computed"), "the torque of a jump would be an impulse"),
+                Exclusion("mesh_law", ("paper",), "the paper's force is no gradient of an energy"),
+            )
+        },
     ),
     Effect(
         "contact",
@@ -115,6 +172,33 @@ EFFECTS: tuple[Effect, ...] = (
         "Pins that are not at their nominal place, by position_errors of a planetary stage.",
         "geometry; load sharing under it: Kahraman 1994, Mech. Mach. Theory 29:1151",
         needs={"on": "position_errors of a planetary stage; give one"},
+    ),
+    Effect(
+        "eccentricity",
+        ("off", "on"),
+        "off",
+        "off",
+        "Teeth whose centre lies beside the axis of their gear and turns about it.",
+        "geometry; the tooth force acts at the teeth's centre and is handed on to the gear with its arm",
+        needs={"on": "a gear with an eccentricity, or eccentricities of planets; give one"},
+    ),
+    Effect(
+        "transmission_error",
+        ("off", "on"),
+        "off",
+        "off",
+        "Static transmission error: harmonics of the mesh, taken from the deflection along the line of action.",
+        "Kahraman and Singh 1990, J. Sound Vib. 142:49",
+        needs={"on": "a mesh with a transmission_error table; give one"},
+    ),
+    Effect(
+        "tooth_errors",
+        ("off", "on"),
+        "off",
+        "off",
+        "Spacing errors of single teeth: full while the tooth carries alone, handed over in double contact.",
+        "assumed form: load handed on smoothly over double contact",
+        needs={"on": "a mesh with tooth_errors; give one"},
     ),
     Effect(
         "gravity",

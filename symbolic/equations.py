@@ -13,8 +13,10 @@ import casadi as ca
 from ltcgear.generated.contract import Report, State
 
 from .elements import make
+from .joints import Joints, rotate
 from .lower import body_function, element_function
-from .model import BACK, BASIS, LEVEL, TURN, Body, Instance, Model
+from .model import BACK, BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, Body, Instance, Model
+from .profiles import evaluate
 
 QUANTITIES = {
     ("mesh", "force"): ("mesh_force", "mesh"),
@@ -50,8 +52,10 @@ class Equations:
         Per level: phase tau [cycles], its rate [1/s], share of single contact.
     energy
         Kinetic and strain energy, that of weight [J], power put in and power lost [W].
-    forces
-        Body -> force and torque in its frame; ``inertial`` -> the same from inertial coordinates.
+    forces, carried
+        Body -> force and torque in its frame: of the elements at it, and after rigid joints have handed theirs on.
+    positions, angles
+        Body -> position in inertial axes [m], absolute angle [rad].
     """
 
     x: ca.SX
@@ -66,6 +70,7 @@ class Equations:
     phases: tuple[ca.SX, ca.SX, ca.SX]
     energy: ca.SX
     forces: dict[str, ca.SX]
+    carried: dict[str, ca.SX]
     positions: dict[str, ca.SX]
     angles: dict[str, ca.SX]
 
@@ -144,45 +149,131 @@ class _Assembly:
             return ca.SX(0), ca.SX(0)
         return self.number[ratio] * self.phi, self.number[ratio] * self.speed
 
-    def port(self, body: Body, rates: str) -> tuple[list[Any], list[Any]]:
-        """Return the position and the rates that an element sees of a body, in the basis chosen."""
-        x, y, u = (self.value.get(f"{body.name}.{axis}", ca.SX(0)) for axis in ("x", "y", "u"))
-        vx, vy, w = (self.value.get(f"{body.name}.{axis}.rate", ca.SX(0)) for axis in ("x", "y", "u"))
+    def twist(self, body: Body) -> tuple[Any, Any]:
+        """Return a body's deviation of angle and its rate, which are its leader's where it has one."""
+        name = body.leader or body.name
+        return self.value.get(f"{name}.u", ca.SX(0)), self.value.get(f"{name}.u.rate", ca.SX(0))
+
+    def motion(self, body: Body) -> tuple[list[Any], list[Any]]:
+        """Return a body's position and rates in its frame."""
+        u, w = self.twist(body)
+        if body.seat is not None:
+            (x, y, _), (vx, vy, _) = self.motion(self.bodies[body.seat])
+            turning = self.turning(self.bodies[body.seat])[1]
+            ax, ay = self.arm(body)
+            return [x + ax, y + ay, u], [vx - turning * ay, vy + turning * ax, w]
+        x, y = (self.value.get(f"{body.name}.{axis}", ca.SX(0)) for axis in "xy")
+        vx, vy = (self.value.get(f"{body.name}.{axis}.rate", ca.SX(0)) for axis in "xy")
         if body.place is not None:
             x, y = x + self.number[body.place[0]], y + self.number[body.place[1]]
+        return [x, y, u], [vx, vy, w]
+
+    def turning(self, body: Body) -> tuple[Any, Any]:
+        """Return by how much a body has turned in its frame, and how fast it turns there."""
+        (u, w), frame = self.twist(body), self.model.frames[body.frame]
+        if body.ratio == frame:
+            return u, w
+        relative = self._ratio(body) - (self.number[frame] if frame else 0)
+        return relative * self.phi + u, relative * self.speed + w
+
+    def _ratio(self, body: Body) -> Any:  # noqa: ANN401
+        """Return a body's speed over the reference speed."""
+        return self.number[body.ratio] if body.ratio else ca.SX(0)
+
+    def arm(self, body: Body) -> list[Any]:
+        """Return the arm [m] from the centre of a body's seat to its own, in its frame."""
+        assert body.seat is not None
+        assert body.place is not None
+        return rotate(self.turning(self.bodies[body.seat])[0], *(self.number[name] for name in body.place))
+
+    def port(self, body: Body, rates: str) -> tuple[list[Any], list[Any]]:
+        """Return the position and the rates that an element sees of a body, in the basis chosen."""
+        (x, y, u), (vx, vy, w) = self.motion(body)
         if rates == "frame" and self.basis == "frame":
             return [x, y, u], [vx, vy, w]
         beta, turn = self.frame_turn(body)
-        ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
-        vx, vy, w = vx - turn * y, vy + turn * x, w + ratio * self.speed
+        vx, vy, w = vx - turn * y, vy + turn * x, w + self._ratio(body) * self.speed
         if self.basis == "frame":
             return [x, y, u], [vx, vy, w]
-        return [*_rotate(beta, x, y), u + ratio * self.phi], [*_rotate(beta, vx, vy), w]
+        return [*rotate(beta, x, y), u + self._ratio(body) * self.phi], [*rotate(beta, vx, vy), w]
 
-    def call(self, instance: Instance) -> dict[str, Any]:
-        """Evaluate one element instance."""
+    def call(self, instance: Instance, still: bool = False) -> dict[str, Any]:
+        """Evaluate one element instance, or what it would give if nothing moved (``still``)."""
         element = make(instance.element)
         ports = [self.port(self.bodies[name], element.rates) for name in instance.bodies]
         coordinates = [v for position, _ in ports for v in position]
         velocities = [v for _, rate in ports for v in rate]
-        bound = self._bound(instance)
         names = [symbol.name for symbol in element.arguments]
-        values = coordinates + velocities + [bound[symbol.name] for symbol in element.parameters]
-        result: dict[str, Any] = element_function(instance.element, self.derivation)(
-            **dict(zip(names, values, strict=True))
-        )
-        return result
+        function = element_function(instance.element, self.derivation)
+
+        def called(bound: dict[str, Any]) -> dict[str, Any]:
+            values = coordinates + velocities + [bound[symbol.name] for symbol in element.parameters]
+            result: dict[str, Any] = function(**dict(zip(names, values, strict=True)))
+            return result
+
+        bound = self._bound(instance)
+        if still:
+            velocities, bound = [ca.SX(0) for _ in velocities], bound | {"e_d": ca.SX(0)}
+        if SLOPE in instance.bind.values():
+            # The stiffness at gear 1's own rolling angle, which the element itself knows.
+            rolling = called(bound)["out_rolling"]
+            bound |= dict(zip(("k", "k_d"), self._followed(instance, rolling), strict=True))
+        return called(bound)
 
     def _bound(self, instance: Instance) -> dict[str, Any]:
         """Return the values of an element's parameters."""
         beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
-        special = {LEVEL: self.level.get(instance.name.removesuffix(BACK)), TURN: ca.SX(0), BASIS: beta}
+        special = {TURN: ca.SX(0), BASIS: beta} | self._special(instance)
         if self.basis == "inertial":
             special |= {TURN: beta, BASIS: ca.SX(0)}
         bound = {key: special[name] if name in special else self.number[name] for key, name in instance.bind.items()}
         if self.basis == "inertial" and "e_x" in bound:
-            bound["e_x"], bound["e_y"] = _rotate(beta, bound["e_x"], bound["e_y"])
+            bound["e_x"], bound["e_y"] = rotate(beta, bound["e_x"], bound["e_y"])
         return bound
+
+    def _special(self, instance: Instance) -> dict[str, Any]:
+        """Return what a mesh's elements see of its phase; the other flank sees errors with the other sign."""
+        mesh, used = instance.name.removesuffix(BACK), set(instance.bind.values())
+        special: dict[str, Any] = {LEVEL: self.level.get(mesh)}
+        if PHASE in used:
+            special[PHASE] = self.mesh_phase_of(mesh)
+        if STIFFNESS in used:
+            special[STIFFNESS], special[SLOPE] = self.profile(mesh, "stiffness", self.mesh_phase_of(mesh))
+        if ERROR in used:
+            sign = -1 if instance.name.endswith(BACK) else 1
+            error, slope = self.profile(mesh, "error", self.mesh_phase_of(mesh))
+            special |= {ERROR: sign * error, ERROR_RATE: sign * slope * self.mesh_rate_of(mesh)}
+        return special
+
+    def profile(self, mesh: str, quantity: str, tau: Any) -> tuple[Any, Any]:  # noqa: ANN401
+        """Return a quantity of a mesh at a phase tau and its slope per cycle: the sum of its profiles."""
+        value = slope = ca.SX(0)
+        for item in self.model.profiles:
+            if (item.mesh, item.quantity) == (mesh, quantity):
+                level = self.level.get(mesh, ca.SX(0))
+                one = evaluate(item.kind, tau, level, [self.number[name] for name in item.numbers])
+                value, slope = value + one[0], slope + one[1]
+        return value, slope
+
+    def mesh_phase_of(self, mesh: str) -> Any:  # noqa: ANN401
+        """Return the phase tau [cycles] of a mesh with an element that follows it."""
+        phase = next((phase for phase in self.model.phases if phase.name == mesh), None)
+        if phase is None:
+            return ca.SX(0)
+        start = self.number[phase.start]
+        return start if phase.rate is None else self.number[phase.rate] * self.phi + start
+
+    def mesh_rate_of(self, mesh: str) -> Any:  # noqa: ANN401
+        """Return the rate [1/s] of a mesh's phase."""
+        rate = next((phase.rate for phase in self.model.phases if phase.name == mesh), None)
+        return ca.SX(0) if rate is None else self.number[rate] * self.speed
+
+    def _followed(self, instance: Instance, rolling: Any) -> tuple[Any, Any]:  # noqa: ANN401
+        """Return a mesh's stiffness and its slope where the phase is that of gear 1's own motion."""
+        mesh = instance.name.removesuffix(BACK)
+        phase = next(phase for phase in self.model.phases if phase.name == mesh)
+        rigid = self.mesh_phase_of(mesh) if self.basis == "frame" else self.number[phase.start]
+        return self.profile(mesh, "stiffness", rigid + self.number[instance.bind["z_1"]] / (2 * pi) * rolling)
 
     def equations(self) -> Equations:
         """Sum everything up."""
@@ -191,32 +282,33 @@ class _Assembly:
         for instance, result in results:
             for i, name in enumerate(instance.bodies):
                 forces[name] = forces[name] + result["force"][3 * i : 3 * i + 3]
-        self.forces = forces
-        reports = list(self._reports(results, forces))
+        carried = Joints(self).carry(forces)
+        self.forces = Joints(self).turned_about_mass(carried)
+        reports = list(self._reports(results, self.forces))
         return Equations(
             self.x, self.s, self.p, self.states, tuple(self.level),
             tuple((q.name, q.unit) for q in self.model.parameters),
-            self._right_hand_side(forces), tuple(report for report, _ in reports),
-            ca.vertcat(*(value for _, value in reports)), self._phases(), self._energy(results, forces), forces,
-            {b.name: ca.vertcat(*_rotate(self.frame_turn(b)[0], *self._place(b))) for b in self.model.bodies},
+            self._right_hand_side(self.forces), tuple(report for report, _ in reports),
+            ca.vertcat(*(value for _, value in reports)), self._phases(), self._energy(results, self.forces), forces,
+            carried, {b.name: self._position(b) for b in self.model.bodies},
             {b.name: self._angle(b) for b in self.model.bodies},
         )  # fmt: skip
 
-    def _place(self, body: Body) -> list[Any]:
-        """Return a body's position in its frame."""
-        x, y = (self.value.get(f"{body.name}.{axis}", ca.SX(0)) for axis in ("x", "y"))
-        return [x, y] if body.place is None else [x + self.number[body.place[0]], y + self.number[body.place[1]]]
+    def _position(self, body: Body) -> ca.SX:
+        """Return a body's position in inertial axes."""
+        (x, y, _), _ = self.motion(body)
+        position: ca.SX = ca.vertcat(*rotate(self.frame_turn(body)[0], x, y))
+        return position
 
     def _angle(self, body: Body) -> Any:  # noqa: ANN401
         """Return a body's absolute angle."""
-        ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
-        return ratio * self.phi + self.value.get(f"{body.name}.u", ca.SX(0))
+        return self._ratio(body) * self.phi + self.twist(body)[0]
 
     def _reference_acceleration(self, forces: dict[str, ca.SX]) -> Any:  # noqa: ANN401
         """Return phi'': zero for a held speed, else the reference member's own."""
         for body in self.model.bodies:
             if body.turning == "reference":
-                return forces[body.name][2] / self.number[body.inertia or ""]
+                return forces[body.name][2] / Joints(self).inertia(body)
         return ca.SX(0)
 
     def _right_hand_side(self, forces: dict[str, ca.SX]) -> ca.SX:
@@ -233,23 +325,27 @@ class _Assembly:
 
     def _acceleration(self, body: Body, force: ca.SX, phi_dd: Any) -> dict[str, Any]:  # noqa: ANN401
         """Return a body's accelerations in its frame."""
-        (x, y, _), (vx, vy, _) = self._frame_port(body)
+        (x, y, _), (vx, vy, _) = self.motion(body)
         ratio = self.model.frames[body.frame]
+        fx, fy = force[0], force[1]
+        if body.moment is not None:
+            fx, fy = Joints(self).unbalance(body, fx, fy, self._spin(body, phi_dd))
         given = {
-            "x": x, "y": y, "vx": vx, "vy": vy, "fx": force[0], "fy": force[1], "torque": force[2],
-            "m": self.number.get(body.mass or "", ca.SX(1)), "inertia": self.number.get(body.inertia or "", ca.SX(1)),
-            "ratio": self.number[body.ratio] if body.ratio else ca.SX(0),
+            "x": x, "y": y, "vx": vx, "vy": vy, "fx": fx, "fy": fy, "torque": force[2],
+            "m": self.number.get(body.mass or "", ca.SX(1)),
+            "inertia": Joints(self).inertia(body) if body.inertia else ca.SX(1), "ratio": self._ratio(body),
             "frame_ratio": self.number[ratio] if ratio else ca.SX(0), "phi_d": self.speed, "phi_dd": phi_dd,
         }  # fmt: skip
         result: dict[str, Any] = body_function(self.derivation)(**given)
         return result
 
-    def _frame_port(self, body: Body) -> tuple[list[Any], list[Any]]:
-        """Return position and rates of a body in its frame, whatever the basis."""
-        chosen, self.basis = self.basis, "frame"
-        port = self.port(body, "frame")
-        self.basis = chosen
-        return port
+    def _spin(self, body: Body, phi_dd: Any) -> Any:  # noqa: ANN401
+        """Return a body's absolute angular acceleration."""
+        lead = self.bodies[body.leader or body.name]
+        rigid = self._ratio(body) * phi_dd
+        if lead.turning != "free":
+            return rigid
+        return rigid + self.forces[lead.name][2] / Joints(self).inertia(lead) - self._ratio(lead) * phi_dd
 
     def _reports(
         self, results: list[tuple[Instance, dict[str, Any]]], forces: dict[str, ca.SX]
@@ -260,7 +356,7 @@ class _Assembly:
             outputs = make(instance.element).outputs
             if "force_x" in outputs:
                 beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
-                result["out_force_x"], result["out_force_y"] = _rotate(
+                result["out_force_x"], result["out_force_y"] = rotate(
                     beta, result["out_force_x"], result["out_force_y"]
                 )
             for name, output in outputs.items():
@@ -280,16 +376,15 @@ class _Assembly:
     def _mesh_phase(self, gear: str, mesh: str, rolling: Any) -> Any:  # noqa: ANN401
         """Return the angle of gear 1 against the line of centres, its rigid part included."""
         body = self.bodies[gear]
-        ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
         frame = self.model.frames[body.frame]
-        return (ratio - (self.number[frame] if frame else 0)) * self.phi + rolling
+        return (self._ratio(body) - (self.number[frame] if frame else 0)) * self.phi + rolling
 
     def _body_reports(self, body: Body, force: ca.SX) -> Iterator[tuple[Report, Any]]:
         """List what a body shows: acceleration and displacement, speed and twist, the torque that drives it."""
         if body.lateral:
             beta, _ = self.frame_turn(body)
             mass = self.number[body.mass or ""]
-            for axis, value in zip("xy", _rotate(beta, force[0] / mass, force[1] / mass), strict=True):
+            for axis, value in zip("xy", rotate(beta, force[0] / mass, force[1] / mass), strict=True):
                 yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member"), value
             for axis, value in zip("xy", self._velocity(body), strict=True):
                 yield Report(f"velocity_{axis}", body.name, "m/s", "member"), value
@@ -298,15 +393,11 @@ class _Assembly:
                     Report(f"displacement_{axis}", body.name, "m", "member"),
                     self.value[f"{body.name}.{axis}"],
                 )
-        if body.turning != "held":
-            ratio = self.number[body.ratio] if body.ratio else ca.SX(0)
-            deviation = self.value.get(f"{body.name}.u", ca.SX(0))
-            rate = self.value.get(f"{body.name}.u.rate", ca.SX(0))
-            yield Report("speed", body.name, "rad/s", "rotor"), ratio * self.speed + rate
+        if self.bodies[body.leader or body.name].turning != "held" and body.turning != "point":
+            deviation, rate = self.twist(body)
+            yield Report("speed", body.name, "rad/s", "rotor"), self._ratio(body) * self.speed + rate
             yield Report("twist", body.name, "rad", "rotor"), deviation
-            acceleration = self._acceleration(body, force, self._reference_acceleration(self.forces))["au"]
-            own = acceleration if body.turning == "free" else ca.SX(0)
-            turning = ratio * self._reference_acceleration(self.forces) + own
+            turning = self._spin(body, self._reference_acceleration(self.forces))
             yield Report("angular_acceleration", body.name, "rad/s^2", "rotor"), turning
         if body.turning == "driven":
             yield Report("drive_torque", body.name, "N*m", "drive"), -force[2]
@@ -337,8 +428,11 @@ class _Assembly:
             _, (vx, vy, w) = self.port(body, "absolute")
             if body.lateral:
                 kinetic += self.number[body.mass or ""] * (vx**2 + vy**2) / 2
-            if body.turning != "held":
-                kinetic += self.number[body.inertia or ""] * w**2 / 2
+            if body.moment is not None:
+                sx, sy = Joints(self).moment(body)
+                kinetic += w * (vy * sx - vx * sy)
+            if body.inertia is not None:
+                kinetic += self.number[body.inertia] * w**2 / 2
             if body.turning == "driven":
                 given -= forces[body.name][2] * w
         for instance, result in results:
@@ -350,10 +444,22 @@ class _Assembly:
             else:
                 strain += result["potential"]
                 lost += result["loss"]
+                if instance.group == "mesh":
+                    put_in, booked = self._parametric(instance, result)
+                    given, lost = given + put_in, lost - booked
         return ca.vertcat(kinetic, strain, weight, given, lost)
 
+    def _parametric(self, instance: Instance, result: dict[str, Any]) -> tuple[Any, Any]:
+        """Return the power [W] put in by stiffness and errors that vary with the nominal phase.
 
-def _rotate(angle: Any, x: Any, y: Any) -> list[Any]:  # noqa: ANN401
-    """Turn a vector by an angle."""
-    cos, sin = ca.cos(angle), ca.sin(angle)
-    return [cos * x - sin * y, sin * x + cos * y]
+        The second value is the part of it that the damper's loss, taken by the bodies' motion alone, counts too.
+        """
+        special, power, booked = self._special(instance), ca.SX(0), ca.SX(0)
+        used = set(instance.bind.values())
+        if STIFFNESS in used and SLOPE not in used:
+            slope = special[SLOPE] * self.mesh_rate_of(instance.name.removesuffix(BACK))
+            power += result["potential"] / special[STIFFNESS] * slope
+        if ERROR in used:
+            power -= result["out_force"] * special[ERROR_RATE]
+            booked = (result["out_force"] - self.call(instance, still=True)["out_force"]) * special[ERROR_RATE]
+        return power, booked

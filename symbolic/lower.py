@@ -11,7 +11,7 @@ import sympy as sp
 from . import lagrange
 from .elements import make
 from .elements.base import LogCosh
-from .elements.contact import HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
+from .elements.contact import Given, HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
 
 UNARY = {
     sp.sin: ca.sin, sp.cos: ca.cos, sp.tan: ca.tan, sp.atan: ca.atan, sp.tanh: ca.tanh, sp.cosh: ca.cosh,
@@ -27,7 +27,9 @@ def _not_below_loss(rate: Any, damping: Any, floor: Any) -> Any:  # noqa: ANN401
     return force * rate - force**2 / (2 * damping)
 
 
-SEVERAL: dict[Any, Callable[..., Any]] = {sp.atan2: ca.atan2, NotBelow: ca.fmax, NotBelowLoss: _not_below_loss}
+SEVERAL: dict[Any, Callable[..., Any]] = {
+    sp.atan2: ca.atan2, NotBelow: ca.fmax, NotBelowLoss: _not_below_loss, Given: lambda z, value, slope: value,
+}  # fmt: skip
 
 
 def lower(expressions: Sequence[sp.Expr], leaves: dict[sp.Symbol, Any]) -> list[Any]:

@@ -8,7 +8,8 @@ the store is ready without deriving anything.
 import json
 from dataclasses import asdict, dataclass
 
-LEVEL, TURN, BASIS = "@level", "@turn", "@basis"
+LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
+STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
 
@@ -33,16 +34,23 @@ class Body:
     lateral
         Whether it can move sideways.
     turning
-        ``free`` (own deviation from the rigid motion), ``held`` (angle zero), ``driven`` (held speed) or
-        ``reference`` (its angle is the reference angle).
+        ``free`` (own deviation from the rigid motion), ``held`` (angle zero), ``driven`` (held speed),
+        ``reference`` (its angle is the reference angle), ``led`` (it turns with its leader) or ``point`` (the
+        same, for a point of its leader that is no member).
     mass, inertia
-        Parameter names, None where nothing needs them.
+        Parameter names, None where nothing needs them. Both count what is rigidly joined to the body.
     ratio
         Parameter name of its speed over the reference speed; None where it stands still.
     place
-        Parameter names of its nominal position in the frame; None at the frame's origin.
+        Parameter names of its nominal position in the frame, or on its seat; None at the origin.
     frame
         Name of the frame it is described in.
+    leader
+        The body whose deviation of angle it shares.
+    seat
+        The body on which it sits at its place, turning about that body's centre with it.
+    moment
+        Parameter names of mass times offset of what sits on it [kg m], at angle zero; None where balanced.
     """
 
     name: str
@@ -53,6 +61,9 @@ class Body:
     ratio: str | None
     place: tuple[str, str] | None
     frame: str
+    leader: str | None = None
+    seat: str | None = None
+    moment: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True)
@@ -60,7 +71,8 @@ class Instance:
     """An element at work: its type, the bodies at its ports, and where its parameters come from.
 
     ``bind`` maps the element's parameter names to parameter names of the model, or to ``@level`` (the
-    mesh's stiffness level), ``@turn`` (how far the frame has turned) and ``@basis``.
+    mesh's stiffness level), ``@phase`` (its phase), ``@turn`` (how far the frame has turned) and ``@basis``;
+    or to the mesh's ``@stiffness`` at its phase and that one's ``@slope``, its ``@error`` and ``@error_rate``.
     """
 
     name: str
@@ -84,6 +96,25 @@ class Level:
 
 
 @dataclass(frozen=True)
+class Phase:
+    """The phase tau = rate * phi + start [cycles] of a mesh with an element that follows it; no rate at rest."""
+
+    name: str
+    rate: str | None
+    start: str
+
+
+@dataclass(frozen=True)
+class Profile:
+    """What a mesh's stiffness or error is over its phase: a kind of ``profiles`` and its parameters."""
+
+    mesh: str
+    quantity: str
+    kind: str
+    numbers: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Rolling:
     """How a mesh's phase follows from its first gear: teeth / 2 pi, and its motion against the frame."""
 
@@ -104,6 +135,8 @@ class Model:
     frames: dict[str, str | None]
     instances: tuple[Instance, ...]
     levels: tuple[Level, ...]
+    phases: tuple[Phase, ...]
+    profiles: tuple[Profile, ...]
     rollings: tuple[Rolling, ...]
     parameters: tuple[Parameter, ...]
     effects: dict[str, str]
@@ -120,3 +153,12 @@ class Model:
     def values(self) -> dict[str, float]:
         """Return parameter name -> value in SI, in the order of the C."""
         return {p.name: p.value for p in self.parameters}
+
+    def nominal_place(self, body: str) -> tuple[float, float]:
+        """Return where a body stands in its frame when nothing has turned [m], what it sits on included."""
+        numbers, here = self.values(), next(item for item in self.bodies if item.name == body)
+        x, y = (numbers[name] for name in here.place) if here.place else (0.0, 0.0)
+        if here.seat is None:
+            return x, y
+        below = self.nominal_place(here.seat)
+        return below[0] + x, below[1] + y

@@ -12,6 +12,7 @@ from . import units
 from .effects import DEFAULTS, EFFECTS, contradictions
 
 SAMPLES = 1e8  # the most a result may hold for each of its quantities
+MOST_HARMONICS = 200
 
 
 @dataclass(frozen=True)
@@ -147,12 +148,20 @@ class Member(Table):
             yield f'{" and ".join(missing)} {verb} missing for support = "{self.support}"; give it or a disc'
 
 
+class Eccentricity(Table):
+    """How far the centre of a gear's teeth lies from its axis, and where at angle zero; acts with ``eccentricity``."""
+
+    radius: Bore
+    angle: Angle = 0.0
+
+
 class Gear(Member):
     """A gear: teeth (radii then follow from module and angles) or an explicit base radius."""
 
     teeth: Annotated[int, Field(ge=3, le=100000)] | None = None
     profile_shift: Annotated[float, Field(gt=-2, lt=2)] = 0.0
     base_radius: Length | None = None
+    eccentricity: Eccentricity | None = None
 
 
 class Friction(Table):
@@ -163,13 +172,41 @@ class Friction(Table):
     damping: Damping | None = None
 
 
+class TransmissionError(Table):
+    """Static transmission error along the line of action by harmonics of the mesh; acts with ``transmission_error``.
+
+    e = sum of amplitude cos(2 pi n tau + phase) over n = 1, 2, ...; phases left out are zero.
+    """
+
+    amplitudes: Annotated[list[Bore], Field(min_length=1, max_length=MOST_HARMONICS)]
+    phases: list[Angle] = []
+
+    def faults(self) -> Iterator[str]:
+        """Check that phases belong to amplitudes."""
+        if self.phases and len(self.phases) != len(self.amplitudes):
+            yield f".phases: {len(self.phases)} phases for {len(self.amplitudes)} amplitudes; give one each, or none"
+
+
+class ToothError(Table):
+    """Spacing error of one tooth [m], positive where it lies back from its place; acts with ``tooth_errors``.
+
+    Tooth 0 of a gear is the one whose single contact begins at mesh phase 0.
+    """
+
+    gear: Literal["sun", "ring", "planet", "input", "output"]
+    tooth: Annotated[int, Field(ge=0)]
+    error: Bore
+    planet: Annotated[int, Field(ge=1)] | None = None
+
+
 class Mesh(Table):
     """A gear mesh.
 
     ``stiffness`` is that of single contact (or the constant one); alternatively
     ``torsional_stiffness`` with its ``reference`` gear, k = K / r_b^2. ``double_factor`` is the
     paper's xi: double contact is that much stiffer. Without it the stiffness is constant. From
-    ``face_width`` both levels are computed (spur gears).
+    ``face_width`` both levels are computed (spur gears). ``transition`` is the width of ``smooth`` transitions
+    in tooth pitches, ``harmonics`` how many of the mesh frequency ``fourier`` and ``table`` keep.
     """
 
     stiffness: Stiffness | None = None
@@ -184,6 +221,10 @@ class Mesh(Table):
     flank: Literal["auto", "printed", "opposite"] = "auto"
     backlash: Bore = 0.0
     friction: Friction | None = None
+    transition: Ratio = 0.1
+    harmonics: Annotated[int, Field(ge=1, le=MOST_HARMONICS)] = 5
+    transmission_error: TransmissionError | None = None
+    tooth_errors: Annotated[list[ToothError], Field(max_length=200)] = []
 
     def faults(self) -> Iterator[str]:
         """Check that there is one stiffness and one damping."""
@@ -215,6 +256,12 @@ class PositionError(Table):
     tangential: Bore = 0.0
 
 
+class PlanetEccentricity(Eccentricity):
+    """The eccentricity of one planet's teeth."""
+
+    planet: Annotated[int, Field(ge=1)]
+
+
 class Planetary(Stage):
     """A planetary stage: ring, sun, carrier and equal planets."""
 
@@ -229,15 +276,19 @@ class Planetary(Stage):
     ring_planet: Mesh
     pin: PinBearing
     position_errors: list[PositionError] = []
+    eccentricities: list[PlanetEccentricity] = []
 
     def faults(self) -> Iterator[str]:
         """Check the planets."""
         for key in ("support", "bearing", "torsional_support", "drag"):
             if key in self.planet.model_fields_set and getattr(self.planet, key) not in (None, "floating"):
                 yield f".planet.{key}: a planet is carried by its pin alone; leave {key} out"
-        named = [error.planet for error in self.position_errors]
-        for number in sorted({n for n in named if n > self.planets or named.count(n) > 1}):
-            yield f".position_errors: planet {number} must be one of 1 to {self.planets}, each once"
+        if self.planet.eccentricity is not None:
+            yield ".planet.eccentricity: planets differ; give the stage eccentricities = [{ planet = 1, radius = ... }]"
+        for key in ("position_errors", "eccentricities"):
+            named = [error.planet for error in getattr(self, key)]
+            for number in sorted({n for n in named if n > self.planets or named.count(n) > 1}):
+                yield f".{key}: planet {number} must be one of 1 to {self.planets}, each once"
         if self.planet_angles is not None and len(self.planet_angles) != self.planets:
             yield f".planet_angles: {len(self.planet_angles)} angles for planets = {self.planets}; give one a planet"
 

@@ -1,14 +1,15 @@
 """Second stage: Scene -> Model, only with the elements that the scene's effects call for."""
 
-from math import cos, pi, sin
+from math import cos, sin
 
 from .. import gears, train
 from ..model import Model
 from ..schema import Pair, Planetary, Scene
 from ..validate import meshes
-from .bodies import add_body, add_coupling, add_gravity, add_member, add_pin, pin_place
-from .draft import Draft
+from .bodies import add_body, add_coupling, add_gravity, add_member, add_pin
+from .draft import Draft, MeshPlace
 from .gearing import add_mesh
+from .rigid import find_leaders, in_plane, pin_places, rigid_pins
 
 
 def build_model(scene: Scene) -> Model:
@@ -25,7 +26,7 @@ def build_model(scene: Scene) -> Model:
         Bodies, element instances and parameters in a fixed order.
     """
     rigid, _ = train.motion(scene)
-    draft = Draft(scene, rigid, train.static_forces(scene, rigid))
+    draft = Draft(scene, rigid, train.static_forces(scene, rigid), leaders=find_leaders(scene, rigid))
     if rigid.mode != "rest":
         draft.number("reference.speed", rigid.speed, "rad/s")
     for name, rotor in scene.rotors.items():
@@ -45,8 +46,8 @@ def build_model(scene: Scene) -> Model:
         add_gravity(draft)
     return Model(
         scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, tuple(draft.instances),
-        tuple(draft.levels), tuple(draft.rollings), tuple(draft.parameters.values()), dict(scene.effects),
-        draft.statics,
+        tuple(draft.levels), tuple(draft.phases), tuple(draft.profiles), tuple(draft.rollings),
+        tuple(draft.parameters.values()), dict(scene.effects), draft.statics,
     )  # fmt: skip
 
 
@@ -56,41 +57,37 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
     for part in ("carrier", "ring", "sun"):
         add_member(draft, f"{name}.{part}", getattr(stage, part), name)
     draft.frames[name] = f"{name}.carrier.speed_ratio" if turns else None
-    distance = gears.stage_distance(stage)
-    angles = stage.planet_angles or [2 * pi * i / stage.planets for i in range(stage.planets)]
-    for i, angle in enumerate(angles, start=1):
+    distance, carrier = gears.stage_distance(stage), f"{name}.carrier"
+    pins = zip(train.planet_angles(stage), pin_places(draft.scene, stage), strict=True)
+    for i, (angle, pin) in enumerate(pins, start=1):
         planet = f"{name}.planet.{i}"
         direction = stage.line_of_centres + angle
-        place = (
-            draft.number(f"{planet}.x_0", distance * cos(direction), "m"),
-            draft.number(f"{planet}.y_0", distance * sin(direction), "m"),
-        )
-        add_body(draft, planet, f"{name}.planet", stage.planet, True, name, place)
-        add_pin(draft, name, i, stage, pin_place(draft, name, i, stage, direction) or place)
+        if rigid_pins(draft.scene):
+            place = _place(draft, planet, *pin) if in_plane(draft.scene) else None
+            add_body(draft, planet, f"{name}.planet", stage.planet, False, name, place, carrier if place else None)
+        else:
+            place = _place(draft, planet, distance * cos(direction), distance * sin(direction))
+            add_body(draft, planet, f"{name}.planet", stage.planet, True, name, place)
+            misplaced = draft.on("planet_position_error") and stage.position_errors
+            add_pin(draft, name, i, stage, _place(draft, f"{name}.pin.{i}", *pin) if misplaced else place)
         for mesh_name, mesh, one, two, sigma in meshes(stage):
-            gear = f"{name}.{mesh_name.split('_')[0]}"
-            add_mesh(
-                draft,
-                f"{name}.{mesh_name}",
-                f".{i}",
-                stage,
-                mesh,
-                (gear, planet),
-                (one, two),
-                sigma,
-                direction,
-            )
+            key, members = f"{name}.{mesh_name}", (f"{name}.{mesh_name.split('_')[0]}", planet)
+            add_mesh(draft, MeshPlace(key, f"{key}.{i}", stage, mesh, (one, two), sigma, members, direction))
+
+
+def _place(draft: Draft, name: str, x: float, y: float) -> tuple[str, str]:
+    """Note a place [m] and return its parameters."""
+    return draft.number(f"{name}.x_0", x, "m"), draft.number(f"{name}.y_0", y, "m")
 
 
 def _pair(draft: Draft, name: str, stage: Pair) -> None:
     """Add a parallel pair; the output stands at the centre distance from the input."""
     distance, direction = gears.stage_distance(stage), stage.line_of_centres
     draft.frames[name] = None
-    place = (
-        draft.number(f"{name}.output.x_0", distance * cos(direction), "m"),
-        draft.number(f"{name}.output.y_0", distance * sin(direction), "m"),
-    )
+    output = f"{name}.output"
     add_member(draft, f"{name}.input", stage.input, name)
-    add_member(draft, f"{name}.output", stage.output, name, place)
-    bodies = (f"{name}.input", f"{name}.output")
-    add_mesh(draft, f"{name}.mesh", "", stage, stage.mesh, bodies, (stage.input, stage.output), 1, direction)
+    plane = in_plane(draft.scene)
+    place = _place(draft, output, distance * cos(direction), distance * sin(direction)) if plane else None
+    add_member(draft, output, stage.output, name, place)
+    key, wheels, members = f"{name}.mesh", (stage.input, stage.output), (f"{name}.input", output)
+    add_mesh(draft, MeshPlace(key, key, stage, stage.mesh, wheels, 1, members, direction))

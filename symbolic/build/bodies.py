@@ -1,52 +1,45 @@
 """Bodies of a model and what ties them to the housing and to each other."""
 
-from math import cos, sin, sqrt
+from math import sqrt
 
-from .. import gears, train
+from .. import train
 from ..model import BASIS, Body
-from ..schema import Bearing, Coupling, Member, Planetary, PositionError, Rotor, TorsionalSupport
+from ..schema import Bearing, Coupling, Member, Planetary, Rotor, TorsionalSupport
 from .draft import Draft
-
-
-def _turning(draft: Draft, name: str, member: Member | Rotor) -> str:
-    """Say how a body's angle is described."""
-    if train.is_fixed(member):
-        return "held"
-    if any(load.member == name and load.speed is not None for load in draft.scene.loads.values()):
-        return "driven"
-    return "reference" if draft.rigid.mode == "torque" and draft.rigid.member == name else "free"
+from .rigid import joined_inertia, mass_centre, seated, static_moment, turning_of
 
 
 def add_member(
     draft: Draft, name: str, member: Member | Rotor, frame: str, place: tuple[str, str] | None = None
 ) -> None:
     """Add a body that is not a planet, with what ties it to the housing."""
-    lateral = isinstance(member, Member) and member.support in ("bearing", "floating")
-    add_body(draft, name, name, member, lateral, frame, place)
-    if isinstance(member, Member) and member.bearing is not None:
+    sideways = draft.on("lateral") and isinstance(member, Member) and member.support in ("bearing", "floating")
+    add_body(draft, name, name, member, sideways, frame, place)
+    if sideways and isinstance(member, Member) and member.bearing is not None:
         _ground_bearing(draft, name, member.bearing, place)
     if member.torsional_support is not None and not train.is_fixed(member):
-        _torsional_support(draft, name, member.torsional_support, train.inertia_of(member)[1])
+        _torsional_support(draft, name, member.torsional_support, joined_inertia(draft, name, member))
     if member.drag is not None and not train.is_fixed(member):
         draft.place(f"{name}.drag", ("drag",), (name,), c_t=draft.number(f"{name}.drag", member.drag, "N*m*s/rad"))
 
 
 def add_body(
     draft: Draft, name: str, kin: str, member: Member | Rotor, lateral: bool, frame: str,
-    place: tuple[str, str] | None,
+    place: tuple[str, str] | None, seat: str | None = None,
 ) -> None:  # fmt: skip
     """Add a body; equal planets share the parameters of ``kin``."""
-    mass, inertia = train.inertia_of(member)
-    turning = _turning(draft, name, member)
-    moves = turning != "held"
-    runs = moves and draft.rigid.mode != "rest" and draft.rigid.ratios[kin] != 0.0
+    leader = draft.leaders.get(name)
+    turning = "led" if leader else turning_of(draft.scene, draft.rigid, name, member)
+    runs = turning != "held" and draft.rigid.mode != "rest" and draft.rigid.ratios[kin] != 0.0
+    mass = train.inertia_of(member)[0] + seated(draft.scene, name)[0]
+    inertia = joined_inertia(draft, kin, member)
     draft.bodies.append(
         Body(
             name, lateral, turning,
             draft.number(f"{kin}.mass", mass, "kg") if lateral else None,
-            draft.number(f"{kin}.inertia", inertia, "kg*m^2") if moves else None,
+            draft.number(f"{kin}.inertia", inertia, "kg*m^2") if turning not in ("held", "led") else None,
             draft.number(f"{kin}.speed_ratio", draft.rigid.ratios[kin], "") if runs else None,
-            place, frame,
+            place, frame, leader, seat, static_moment(draft, name, mass) if lateral else None,
         )
     )  # fmt: skip
 
@@ -94,34 +87,25 @@ def reduced(one: float, two: float) -> float:
     return 1 / sum(parts) if parts else 0.0
 
 
-def swinging(draft: Draft, name: str, member: Member | Rotor) -> float:
-    """Return a member's inertia, 0 where its motion is held."""
-    held = _turning(draft, name, member) in ("held", "driven")
-    return 0.0 if held else train.inertia_of(member)[1]
+def swinging(draft: Draft, name: str) -> float:
+    """Return the inertia of a member and of all that turns with it, 0 where its motion is held."""
+    everyone = train.members(draft.scene)
+    leader = draft.leaders.get(name, name)
+    held = turning_of(draft.scene, draft.rigid, leader, everyone[leader]) in ("held", "driven")
+    return 0.0 if held else joined_inertia(draft, leader, everyone[leader])
 
 
 def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:
-    """Add a torsional coupling."""
-    everyone = train.members(draft.scene)
+    """Add a torsional coupling; a rigid one is no element, its ends share one angle."""
     one, two = coupling.between
-    inertia = reduced(swinging(draft, one, everyone[one]), swinging(draft, two, everyone[two]))
+    if draft.scene.effects["torsional_shafts"] == "rigid":
+        return
+    inertia = reduced(swinging(draft, one), swinging(draft, two))
     bind = {"k_t": draft.number(f"couplings.{name}.stiffness", coupling.stiffness, "N*m/rad")}
     damper = _damper(draft, f"couplings.{name}", coupling, inertia, "N*m*s/rad")
     if damper:
         bind["c_t"] = damper
     draft.place(name, ("coupling", damper is not None), (one, two), **bind)
-
-
-def pin_place(draft: Draft, name: str, number: int, stage: Planetary, direction: float) -> tuple[str, str] | None:
-    """Note where a misplaced pin is; None for a pin at its nominal place."""
-    if not draft.on("planet_position_error") or not stage.position_errors:
-        return None
-    error = next((e for e in stage.position_errors if e.planet == number), PositionError(planet=number))
-    radius = gears.stage_distance(stage) + error.radial
-    x = radius * cos(direction) - error.tangential * sin(direction)
-    y = radius * sin(direction) + error.tangential * cos(direction)
-    pin = f"{name}.pin.{number}"
-    return draft.number(f"{pin}.x_0", x, "m"), draft.number(f"{pin}.y_0", y, "m")
 
 
 def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple[str, str]) -> None:
@@ -156,4 +140,7 @@ def add_gravity(draft: Draft) -> None:
     x, y = draft.scene.gravity
     bind = {"g_x": draft.number("gravity.x", x, "m/s^2"), "g_y": draft.number("gravity.y", y, "m/s^2")}
     for body in heavy:
-        draft.place(body.name, ("gravity",), (body.name,), m=body.mass or "", beta=BASIS, **bind)
+        centre = mass_centre(draft, body)
+        if centre is not body:
+            draft.bodies.append(centre)
+        draft.place(body.name, ("gravity",), (centre.name,), m=body.mass or "", beta=BASIS, **bind)

@@ -58,8 +58,13 @@ def title(key: Key) -> str:
     flags = [option for option in key[1:] if isinstance(option, bool)]
     extra = []
     if key[0] in ("mesh", "mesh_friction"):
-        extra = [f"{words.pop(1)} law", "two-level stiffness" if flags.pop(0) else "constant stiffness", *words[1:]]
+        extra = [f"{words.pop(1)} law", "two-level stiffness" if flags.pop(0) else "one stiffness", *words[1:]]
         words = words[:1]
+    if key[0] == "mesh":
+        flags, told = flags[:1], zip(flags[1:], ("errors", "torque of the stiffness"), strict=False)
+        extra += [word for flag, word in told if flag]
+    if key[0] == "mesh_friction":
+        extra, flags = [*extra, *("errors" for flag in flags if flag)], []
     extra += ["damped" if flag else "undamped" for flag in flags]
     return " ".join([*words, name]) + (f" ({', '.join(extra)})" if extra else "")
 

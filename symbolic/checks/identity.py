@@ -35,7 +35,7 @@ def relative_places(element: Element) -> dict[sp.Symbol, sp.Symbol]:
     """Measure the second body's position from the first."""
     if len(element.ports) < 2:
         return {}
-    one, two = element.ports
+    one, two = element.ports[:2]
     return {two.x: one.x, two.y: one.y}
 
 

@@ -78,6 +78,8 @@ class Element:
         Equation number or citation.
     gradient
         False where the wrench is not the gradient of the potential by design (the paper's mesh law).
+    closed
+        False where the housing takes a part that is not written, so that the ports alone are not in balance.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Element:
     outputs: Mapping[str, Output] = field(default_factory=dict)
     rates: str = "frame"
     gradient: bool = True
+    closed: bool = True
 
     @property
     def coordinates(self) -> tuple[sp.Symbol, ...]:

@@ -14,7 +14,7 @@ with the paper's moment arms :math:`r\tan\alpha` (eqs 32, 34). N is the spring's
 import sympy as sp
 
 from .base import Element, LogCosh, Output, positive
-from .mesh import ONE, R1, R2, TWO, UNITS, S, deflection, geometry, stiffness
+from .mesh import ERROR, ONE, R1, R2, TWO, UNITS, S, deflection, geometry, stiffness
 
 MU, CT, V0 = (positive(n) for n in ("mu", "c_t", "v_0"))
 
@@ -27,10 +27,10 @@ def sliding_speed(kind: str) -> sp.Expr:
     return mx * (TWO.vx - ONE.vx) + my * (TWO.vy - ONE.vy) + turning
 
 
-def mesh_friction(kind: str, law: str, switched: bool) -> Element:
+def mesh_friction(kind: str, law: str, switched: bool, error: bool = False) -> Element:
     """Write the pitch-point friction of one mesh type (arguments as in ``mesh``)."""
     g = geometry(kind)
-    normal = sp.Abs(stiffness(switched) * deflection(kind, law))
+    normal = sp.Abs(stiffness(switched) * (deflection(kind, law) - (ERROR if error else 0)))
     speed = sliding_speed(kind)
     force = -(MU * normal * sp.tanh(speed / V0) + CT * speed)
     mx, my = g.along
@@ -42,7 +42,7 @@ def mesh_friction(kind: str, law: str, switched: bool) -> Element:
     free = set().union(*(e.free_symbols for e in wrench))
     units = UNITS | {MU: "", CT: "N*s/m", V0: "m/s"}
     return Element(
-        name=f"mesh_friction_{kind}_{law}" + "_switched" * switched,
+        name=f"mesh_friction_{kind}_{law}" + "_switched" * switched + "_error" * error,
         ports=(ONE, TWO),
         parameters={symbol: unit for symbol, unit in units.items() if symbol in free},
         dissipation=MU * normal * V0 * LogCosh(speed / V0) + CT * speed**2 / 2,

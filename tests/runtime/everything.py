@@ -12,9 +12,11 @@ from functools import cache
 from itertools import combinations, product
 from typing import Any
 
-from ltcgear.symbolic.effects import DEFAULTS, EFFECTS, contradictions
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.effects import BY_NAME, DEFAULTS, EFFECTS, contradictions
 from ltcgear.symbolic.scene import make_scene
 from ltcgear.symbolic.schema import Scene
+from ltcgear.symbolic.variants import same_model
 
 from .models import change
 
@@ -31,6 +33,7 @@ RAW: dict[str, Any] = {
                 "teeth": 20,
                 "support": "bearing",
                 "bearing": {"stiffness": "1e8 N/m", "damping_ratio": 0.03},
+                "eccentricity": {"radius": "8 um", "angle": "30 deg"},
                 "mass": "1.5 kg",
                 "inertia": "0.001 kg*m^2",
             },
@@ -42,9 +45,11 @@ RAW: dict[str, Any] = {
                 "inertia": "0.03 kg*m^2",
             },
             "sun_planet": {
-                "stiffness": "3e8 N/m",
-                "double_factor": 1.4,
+                "face_width": "20 mm",
+                "harmonics": 3,
                 "damping_ratio": 0.05,
+                "transmission_error": {"amplitudes": ["2 um", "1 um"], "phases": ["0 deg", "40 deg"]},
+                "tooth_errors": [{"gear": "sun", "tooth": 1, "error": "3 um"}],
                 "backlash": "0.05 mm",
                 "friction": {"coefficient": 0.06, "speed": "0.02 m/s", "damping": "20 N*s/m"},
             },
@@ -52,6 +57,7 @@ RAW: dict[str, Any] = {
                 "stiffness": "4e8 N/m",
                 "double_factor": 1.3,
                 "contact_ratio": 1.8,
+                "transition": 0.2,
                 "damping_ratio": 0.05,
                 "backlash": "0.05 mm",
                 "friction": {"coefficient": 0.06, "speed": "0.02 m/s", "damping": "20 N*s/m"},
@@ -65,6 +71,7 @@ RAW: dict[str, Any] = {
                 "friction_speed": "2 rad/s",
             },
             "position_errors": [{"planet": 2, "radial": "5 um", "tangential": "10 um"}],
+            "eccentricities": [{"planet": 1, "radius": "6 um"}],
         }
     },
     "rotors": {"motor": {"inertia": "0.01 kg*m^2"}},
@@ -80,6 +87,10 @@ BARE: dict[str, Any] = {"title": "A rotor that lacks what effects need", "rotors
 
 MESHES = ("stages.gear.sun_planet", "stages.gear.ring_planet")
 DATA: dict[str, tuple[str, ...]] = {
+    "mesh_stiffness": (f"-{MESHES[0]}.harmonics", f"-{MESHES[1]}.transition"),
+    "eccentricity": ("-stages.gear.sun.eccentricity", "-stages.gear.eccentricities"),
+    "transmission_error": (f"-{MESHES[0]}.transmission_error",),
+    "tooth_errors": (f"-{MESHES[0]}.tooth_errors",),
     "mesh_friction": tuple(f"-{mesh}.friction" for mesh in MESHES),
     "bearing_friction": tuple(
         f"-stages.gear.pin.{key}" for key in ("friction", "friction_damping", "friction_speed", "diameter")
@@ -100,8 +111,24 @@ DATA: dict[str, tuple[str, ...]] = {
 TINY = "1e-30"
 """Where a number must be greater than zero: small enough that no digit of the result shows it."""
 
+CONSTANT = (
+    f"-{MESHES[0]}.face_width",
+    f"{MESHES[0]}.stiffness = '3e8 N/m'",
+    *(f"{mesh}.double_factor = 1" for mesh in MESHES),
+)
+"""A stiffness that is double where it is single."""
+
 ZERO: dict[tuple[str, str], tuple[str, ...]] = {
-    ("mesh_stiffness", "two-level"): tuple(f"{mesh}.double_factor = 1" for mesh in MESHES),
+    ("mesh_stiffness", "two-level"): CONSTANT,
+    ("mesh_stiffness", "smooth"): CONSTANT,
+    ("mesh_stiffness", "fourier"): CONSTANT,
+    ("stiffness_torque", "on"): CONSTANT,
+    ("eccentricity", "on"): (
+        "stages.gear.sun.eccentricity.radius = '0 m'",
+        "stages.gear.eccentricities = [{ planet = 1, radius = '0 m' }]",
+    ),
+    ("transmission_error", "on"): (f"{MESHES[0]}.transmission_error.amplitudes = ['0 m', '0 m']",),
+    ("tooth_errors", "on"): (f"{MESHES[0]}.tooth_errors = [{{ gear = 'sun', tooth = 1, error = '0 m' }}]",),
     ("mesh_damping", "on"): tuple(
         setting for mesh in MESHES for setting in (f"-{mesh}.damping_ratio", f"{mesh}.damping = '{TINY} N*s/m'")
     ),
@@ -127,6 +154,10 @@ ZERO: dict[tuple[str, str], tuple[str, ...]] = {
 """Effect and value -> the settings that make its amplitude zero: it must then do nothing at all."""
 
 NO_ZERO: dict[tuple[str, str], str] = {
+    ("lateral", "on"): "it is a freedom, which no number takes away",
+    ("pins", "flexible"): "it is a freedom, rigid is the limit of ever greater stiffness",
+    ("torsional_shafts", "flexible"): "it is a freedom, rigid is the limit of ever greater stiffness",
+    ("mesh_stiffness", "computed"): "the curve follows from the teeth, and teeth in turn are never of one stiffness",
     ("mesh_law", "paper"): "it is another law of the deflection, which no number turns into the involute's",
     ("contact", "one-flank"): "teeth part or do not, no number makes them stick",
     ("contact", "backlash"): "with a gap of zero both flanks push, and one of them still cannot pull",
@@ -143,9 +174,30 @@ def everything(effects: Mapping[str, str], *settings: str) -> Scene:
     return make_scene(raw)
 
 
-def plain() -> dict[str, str]:
-    """Return every effect at the value that leaves it out."""
-    return {effect.name: effect.without for effect in EFFECTS}
+def without(effect: str) -> str:
+    """Return the value that leaves an effect out."""
+    return BY_NAME[effect].without
+
+
+def beside(effect: str, value: str, wanted: Mapping[str, str]) -> dict[str, str]:
+    """Return an effect at a value among others at the values wanted, or at their first that can stand beside it."""
+    chosen = {effect: value}
+    for other in EFFECTS:
+        if other.name != effect:
+            values = (wanted[other.name], *other.values)
+            chosen[other.name] = next(v for v in values if allowed(*chosen.items(), (other.name, v)))
+    return {name: chosen[name] for name in DEFAULTS}
+
+
+@cache
+def acting(effect: str, value: str) -> dict[str, str]:
+    """Return effects among which this one acts, and can be left out: defaults where that does, else a variant."""
+    for chosen in (beside(effect, value, DEFAULTS), *covering()):
+        off = chosen | {effect: without(effect)}
+        fits = chosen[effect] == value and allowed(*off.items())
+        if fits and not same_model(build_model(everything(chosen)), build_model(everything(off))):
+            return chosen
+    raise AssertionError(f"{effect} = {value!r} acts in no variant; has the scene data for it?")
 
 
 def allowed(*pairs: tuple[str, str]) -> bool:

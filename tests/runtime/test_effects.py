@@ -12,11 +12,11 @@ from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.simulation import simulate
 from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.effects import BY_NAME
+from ltcgear.symbolic.effects import DEFAULTS
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene, shipped_scenes
 
-from .everything import ZERO, allowed, covering, everything, labelled, plain
+from .everything import ZERO, acting, allowed, beside, covering, everything, labelled, without
 from .models import Case
 
 VARIANTS = [pytest.param(variant, id=labelled(variant)) for variant in covering()]
@@ -92,21 +92,16 @@ def losses(found):
 # --- zero amplitude
 
 
-def beside(effect, value):
-    """What an effect is tried beside: all that can act together with it, and nothing at all."""
-    rich = {effect: value}
-    for variant in covering():
-        if variant[effect] == value:
-            rich = variant
-            break
-    bare = {name: without for name, without in plain().items() if name != effect}
-    return [rich, *([bare | {effect: value}] if allowed((effect, value), *bare.items()) else [])]
+def surroundings(effect, value):
+    """What an effect is tried among: much that can act with it, and as little as there can be."""
+    little = beside(effect, value, {name: without(name) for name in DEFAULTS})
+    return [acting(effect, value), *([little] if allowed(*(little | {effect: without(effect)}).items()) else [])]
 
 
 AMPLITUDES = [
     pytest.param(effect, value, variant, id=f"{effect}={value}, beside {labelled(variant)}")
     for effect, value in ZERO
-    for variant in beside(effect, value)
+    for variant in surroundings(effect, value)
 ]
 
 
@@ -130,7 +125,7 @@ def stepped(found: Case, start: np.ndarray, step: float, count: int) -> np.ndarr
 @pytest.mark.parametrize(("effect", "value", "variant"), AMPLITUDES)
 def test_zero_amplitude_is_the_same_as_left_out(effect, value, variant):
     zero = made(variant | {effect: value}, *ZERO[effect, value])
-    off = made(variant | {effect: BY_NAME[effect].without}, *ZERO[effect, value])
+    off = made(variant | {effect: without(effect)}, *ZERO[effect, value])
     names = [[state.name for state in found.library.manifest.states] for found in (zero, off)]
     assert names[0] == names[1]
     scale = vibration_scale(off.library, off.at, off.p)
@@ -143,9 +138,9 @@ def test_zero_amplitude_is_the_same_as_left_out(effect, value, variant):
         assert np.abs(one[key] - two[key]).max() <= 1e-12 * size, key
     step = 0.5 / fastest(off.library, off.at, off.p)
     count = int(np.ceil(0.01 / step))
-    with_zero, without = ((stepped(found, start, step, count) - start) / scale for found in (zero, off))
+    with_zero, left_out = ((stepped(found, start, step, count) - start) / scale for found in (zero, off))
     # Places of 60 mm are rounded by 1e-17 m, which is 1e-10 of these vibrations: no two sums are nearer.
-    assert np.abs(with_zero - without).max() <= 1e-9 * np.abs(without).max()
+    assert np.abs(with_zero - left_out).max() <= 1e-9 * np.abs(left_out).max()
 
 
 # --- the C

@@ -17,13 +17,15 @@ from ..runtime.everything import (
     DATA,
     NO_ZERO,
     ZERO,
+    acting,
     all_pairs,
     allowed,
+    beside,
     covering,
     everything,
     labelled,
-    plain,
     values_on,
+    without,
 )
 
 ON = [pytest.param(effect, value, id=f"{effect}={value}") for effect, value in values_on()]
@@ -45,7 +47,6 @@ EXCLUSIONS = [
 def test_an_entry_of_the_table_is_consistent(effect):
     assert len(set(effect.values)) == len(effect.values) > 1
     assert {effect.default, effect.without, *effect.needs, *effect.excludes} <= set(effect.values)
-    assert effect.without not in effect.needs
     assert effect.help.endswith(".")
     assert effect.source
     for items in effect.excludes.values():
@@ -57,7 +58,7 @@ def test_an_entry_of_the_table_is_consistent(effect):
 
 def test_defaults_and_what_leaves_out_can_stand_together():
     assert allowed(*DEFAULTS.items())
-    assert allowed(*plain().items())
+    assert allowed(*((effect.name, effect.without) for effect in EFFECTS))
 
 
 def test_every_effect_has_a_zero_or_a_reason():
@@ -74,35 +75,18 @@ def shape(scene):
     return json.loads(model.structure()), model.values()
 
 
-def alone(effect, value, *settings):
-    """The scene with one effect at a value, all others left out as far as this one allows."""
-    return everything(beside(effect, value), *settings)
-
-
-def beside(effect, value):
-    """One effect at a value, the others left out, or at their first value that can stand beside it."""
-    chosen = {effect: value}
-    for other in EFFECTS:
-        if other.name != effect:
-            fitting = (v for v in (other.without, *other.values) if allowed(*chosen.items(), (other.name, v)))
-            chosen[other.name] = next(fitting)
-    return chosen
-
-
 @pytest.mark.parametrize(("effect", "value"), ON)
-def test_an_effect_leaves_a_trace_only_where_it_is_on(effect, value):
-    on, off = shape(alone(effect, value)), shape(everything(beside(effect, value) | {effect: out(effect)}))
+def test_an_effect_leaves_a_trace_where_it_is_on(effect, value):
+    chosen = acting(effect, value)
+    on, off = shape(everything(chosen)), shape(everything(chosen | {effect: without(effect)}))
     assert on != off
-
-
-def out(effect):
-    """The value that leaves an effect out."""
-    return effects.BY_NAME[effect].without
 
 
 @pytest.mark.parametrize("effect", DATA)
 def test_what_is_left_out_is_as_if_its_data_were_not_there(effect):
-    with_data, bare = (alone(effect, out(effect), *settings) for settings in ((), DATA[effect]))
+    on = next(value for value in effects.BY_NAME[effect].values if value != without(effect))
+    chosen = acting(effect, on) | {effect: without(effect)}
+    with_data, bare = (everything(chosen, *settings) for settings in ((), DATA[effect]))
     assert with_data != bare
     assert shape(with_data) == shape(bare)
     one, two = (generate(build_model(scene)) for scene in (with_data, bare))
@@ -123,8 +107,8 @@ def names(artifact):
 
 @pytest.mark.parametrize(("effect", "value"), ON)
 def test_the_c_of_what_is_left_out_is_smaller(effect, value):
-    on = generate(build_model(alone(effect, value)))
-    off = generate(build_model(everything(beside(effect, value) | {effect: out(effect)})))
+    chosen = acting(effect, value)
+    on, off = (generate(build_model(everything(e))) for e in (chosen, chosen | {effect: without(effect)}))
     brought = names(on) - names(off)
     assert not any(name in off.c for name in brought)
     operations = [{name: f.operations for name, f in made.manifest.functions.items()} for made in (on, off)]
@@ -154,17 +138,17 @@ def test_equations_of_all_pairs_pass_their_checks(variant):
 # --- what cannot be together, or cannot act
 
 
-def refusal(effect, value, other, beside):
+def refusal(effect, value, other, excluded):
     """The message for two values that exclude each other."""
     with pytest.raises(SceneError) as caught:
-        everything({effect: value, other: beside})
+        everything({effect: value, other: excluded})
     return str(caught.value)
 
 
-@pytest.mark.parametrize(("effect", "value", "other", "beside"), EXCLUSIONS)
-def test_contradictory_values_are_refused_by_name(effect, value, other, beside):
-    text = refusal(effect, value, other, beside)
-    assert all(word in text for word in (f"effects.{effect}", repr(value), f"{other} = {beside!r}"))
+@pytest.mark.parametrize(("effect", "value", "other", "excluded"), EXCLUSIONS)
+def test_contradictory_values_are_refused_by_name(effect, value, other, excluded):
+    text = refusal(effect, value, other, excluded)
+    assert all(word in text for word in (f"effects.{effect}", repr(value), f"{other} = {excluded!r}"))
 
 
 def test_an_exclusion_of_the_table_is_heeded(monkeypatch):
@@ -182,10 +166,11 @@ def test_an_exclusion_of_the_table_is_heeded(monkeypatch):
 
 @pytest.mark.parametrize(("effect", "value"), NEEDS)
 def test_an_idle_effect_warns_with_what_it_needs(effect, value):
-    told = warnings(make_scene(BARE | {"effects": beside(effect.name, value)}))
+    told = warnings(make_scene(BARE | {"effects": beside(effect.name, value, DEFAULTS)}))
     assert any(f"effects.{effect.name} = {value!r}" in line and effect.needs[value] in line for line in told), told
 
 
 def test_the_scene_with_all_data_has_no_idle_effect():
     for effect, value in values_on():
-        assert warnings(alone(effect, value)) == []
+        told = warnings(everything(acting(effect, value)))
+        assert not any(f"effects.{effect} " in line for line in told)
