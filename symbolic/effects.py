@@ -92,16 +92,17 @@ EFFECTS: tuple[Effect, ...] = (
     ),
     Effect(
         "mesh_stiffness",
-        ("two-level", "mean", "smooth", "fourier", "computed"),
+        ("two-level", "mean", "smooth", "fourier", "table", "computed"),
         "two-level",
         "mean",
         "Mesh stiffness over the mesh phase: single and double contact with jumps between, their mean, the same "
-        "with smooth transitions, a few harmonics of it, or the curve computed from the teeth.",
+        "with smooth transitions, a few harmonics of it or of a table, or the curve computed from the teeth.",
         "Wu et al. 2021 eqs 9-11; computed: potential-energy method, Yang and Lin 1987, J. Mech. Des. 109:189",
         needs={
             "two-level": "a mesh with double_factor or face_width",
             "smooth": "a mesh with double_factor or face_width",
             "fourier": "a mesh with double_factor or face_width",
+            "table": "a mesh with a stiffness_table",
             "computed": "a mesh with face_width and no double_factor",
         },
     ),
@@ -113,7 +114,7 @@ EFFECTS: tuple[Effect, ...] = (
         "Mesh stiffness by the gear's own angle, so that the work of its change is a torque on the gear; off, it "
         "varies with the nominal motion, from which it takes that work.",
         "Oh, Grosh and Barber 2005, J. Vib. Acoust. 127:208",
-        needs={"on": "a mesh whose stiffness varies smoothly: smooth or fourier, with double_factor or face_width"},
+        needs={"on": "a mesh whose stiffness varies smoothly: smooth, fourier or table, with what these need"},
         excludes={
             "on": (
                 Exclusion("mesh_stiffness", ("two-level", "computed"), "the torque of a jump would be an impulse"),
@@ -187,7 +188,7 @@ EFFECTS: tuple[Effect, ...] = (
         ("off", "on"),
         "off",
         "off",
-        "Static transmission error: harmonics of the mesh, taken from the deflection along the line of action.",
+        "Static transmission error by harmonics or a table, taken from the deflection along the line of action.",
         "Kahraman and Singh 1990, J. Sound Vib. 142:49",
         needs={"on": "a mesh with a transmission_error table; give one"},
     ),

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from . import gears, tooth_stiffness
 from .schema import Gear, Mesh, Pair, Planetary
+from .series import Pairs
 from .tooth_stiffness import Tooth
 
 SAMPLES = 2000  # of a computed curve over a pitch
@@ -20,8 +21,10 @@ def levels(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int
     A torsional stiffness K on a reference gear gives k = K / r_b^2. From a face width both follow by the
     potential-energy method for spur gears, each the mean over its part of a pitch. ``double_factor``
     (the paper's xi) comes before a computed second level; without either the stiffness is constant and
-    the second value None.
+    the second value None. A mesh that has nothing but a table has its mean.
     """
+    if mesh.stiffness_table is not None and not (mesh.stiffness or mesh.torsional_stiffness or mesh.face_width):
+        return table_series(mesh.stiffness_table, 0)[0], None
     if mesh.face_width is not None:
         single, double = _computed(
             _tooth(stage, one, sigma < 0), _tooth(stage, two, False), mesh.face_width, gears.stage_distance(stage)
@@ -75,6 +78,13 @@ def computed_series(
     return fourier_series(*_curve(stage, mesh, one, two, sigma, backwards), mesh.harmonics)
 
 
+def table_series(table: Pairs, count: int) -> list[float]:
+    """Return mean and amplitudes of the polygon through a table over one tooth pitch, closed to a period."""
+    phase = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    places, values = np.array(table).T
+    return fourier_series(phase, np.interp(phase, places, values, period=1.0), count)
+
+
 def fourier_series(phase: NDArray[np.float64], values: NDArray[np.float64], count: int) -> list[float]:
     """Return mean and amplitudes a_1, b_1, a_2, ... of values at phases that divide a pitch evenly."""
     found = [float(values.mean())]
@@ -83,13 +93,12 @@ def fourier_series(phase: NDArray[np.float64], values: NDArray[np.float64], coun
     return found
 
 
-def lowest(series: Sequence[float]) -> float:
-    """Return the smallest value that a series takes over a pitch."""
-    phase = np.linspace(0.0, 1.0, 4096, endpoint=False)
+def series_values(series: Sequence[float], phase: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the values of a series at phases [pitches]."""
     total = np.full_like(phase, series[0])
     for n, (a, b) in enumerate(zip(series[1::2], series[2::2], strict=True), start=1):
         total += a * np.cos(2 * pi * n * phase) + b * np.sin(2 * pi * n * phase)
-    return float(total.min())
+    return total
 
 
 def _curve(

@@ -25,7 +25,7 @@ def _transmission_error(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
     error = at.mesh.transmission_error
     if error is None or not draft.on("transmission_error"):
         return
-    series = [0.0]
+    series = [0.0] if error.table is None else mesh_stiffness.table_series(error.table, at.mesh.harmonics)
     for amplitude, phase in zip(error.amplitudes, error.phases or [0.0] * len(error.amplitudes), strict=True):
         series += [amplitude * cos(phase), -amplitude * sin(phase)]
     yield Profile(at.label, "error", "series", note_series(draft, f"{at.name}.transmission_error", series, "m"))

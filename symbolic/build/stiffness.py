@@ -8,6 +8,10 @@ from .draft import Draft, MeshPlace
 def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
     """Bind the stiffness of a mesh by the scene's effect and return its mean over a pitch [N/m]."""
     chosen, geometry = draft.scene.effects["mesh_stiffness"], at.geometry
+    if chosen == "table" and at.mesh.stiffness_table is not None:
+        series = mesh_stiffness.table_series(at.mesh.stiffness_table, at.mesh.harmonics)
+        _follow(draft, at, "series", note_series(draft, f"{at.name}.stiffness", series, "N/m"), bind)
+        return series[0]
     single, double = mesh_stiffness.levels(*geometry)
     if double is None:
         bind["k"] = draft.number(f"{at.name}.stiffness", single, "N/m")
@@ -15,7 +19,7 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
     share = mesh_stiffness.single_share(*geometry)
     mean = single * share + double * (1 - share)
     computed = mesh_stiffness.is_computed(at.mesh)
-    if chosen == "mean":
+    if chosen in ("mean", "table"):
         bind["k"] = draft.number(f"{at.name}.stiffness", mean, "N/m")
     elif chosen == "smooth":
         _follow(draft, at, "smooth", (*_levels(draft, at, single, double, share), _width(draft, at)), bind)

@@ -45,9 +45,9 @@ SCENES = {name: (name, {}) for name in shipped_scenes()} | {
     "paper law, pair": ("psh", PAPER),
     "paper law, unloaded": ("lin-parker-4", PAPER),
 }
-EXTERNAL: Key = ("mesh", "external", "involute", True, True)
-INTERNAL: Key = ("mesh", "internal", "involute", False, True)
-PRINTED: Key = ("mesh", "external", "paper", True, True)
+EXTERNAL: Key = ("mesh", "external", "involute", True, True, "bilateral", False, False)
+INTERNAL: Key = ("mesh", "internal", "involute", False, True, "bilateral", False, False)
+PRINTED: Key = ("mesh", "external", "paper", True, True, "bilateral", False, False)
 PIN: Key = ("pin", True)
 
 
