@@ -21,6 +21,7 @@ PAGE = Path(__file__).parents[1] / "docs" / "ladder.md"
 BEGIN, END = "<!-- table -->\n", "<!-- end of table -->\n"
 MESHES = ("lsp.sun_planet", "lsp.ring_planet", "hsp.sun_planet", "hsp.ring_planet", "psh.mesh")
 
+TORSION = {"effects.lateral": "off"}
 MEAN = {"effects.mesh_stiffness": "mean"}
 SWITCHED = {"effects.mesh_stiffness": "two-level"}
 WEIGHT = {"effects.gravity": "on"}
@@ -28,6 +29,13 @@ ERRORS = {
     "effects.planet_position_error": "on",
     "stages.lsp.position_errors": '[{ planet = 2, tangential = "40 um" }]',
     "stages.hsp.position_errors": '[{ planet = 2, tangential = "30 um" }]',
+    "effects.eccentricity": "on",
+    "stages.psh.input.eccentricity": '{ radius = "20 um" }',
+    "stages.psh.output.eccentricity": '{ radius = "10 um" }',
+    "effects.transmission_error": "on",
+    **{f"stages.{mesh}.transmission_error.amplitudes": '["4 um", "2 um"]' for mesh in MESHES},
+    "effects.tooth_errors": "on",
+    "stages.psh.mesh.tooth_errors": '[{ gear = "output", tooth = 0, error = "8 um" }]',
 }
 FRICTION = {
     "effects.mesh_friction": "pitch-point",
@@ -39,17 +47,16 @@ BEARINGS = {
     **{f"stages.{stage}.pin.friction": "0.005" for stage in ("lsp", "hsp")},
     **{f"stages.{stage}.pin.diameter": "300 mm" for stage in ("lsp", "hsp")},
 }
-ONE_FLANK = {"effects.contact": "one-flank"}
 BACKLASH = {"effects.contact": "backlash", **{f"stages.{mesh}.backlash": "0.3 mm" for mesh in MESHES}}
 
 RUNGS: tuple[tuple[str, tuple[dict[str, str], ...]], ...] = (
-    ("mean stiffness", (MEAN,)),
-    ("two-level stiffness", (SWITCHED,)),
+    ("torsional, mean stiffness", (TORSION, MEAN)),
+    ("torsional, two-level stiffness", (TORSION, SWITCHED)),
+    ("lateral, two-level stiffness", (SWITCHED,)),
     ("+ gravity", (SWITCHED, WEIGHT)),
-    ("+ pins out of place", (SWITCHED, WEIGHT, ERRORS)),
-    ("+ mesh friction", (SWITCHED, WEIGHT, ERRORS, FRICTION)),
-    ("+ bearing friction", (SWITCHED, WEIGHT, ERRORS, FRICTION, BEARINGS)),
-    ("+ teeth that part", (SWITCHED, WEIGHT, ERRORS, FRICTION, BEARINGS, ONE_FLANK)),
+    ("+ errors of pins, axes and teeth", (SWITCHED, WEIGHT, ERRORS)),
+    ("+ friction of meshes", (SWITCHED, WEIGHT, ERRORS, FRICTION)),
+    ("+ friction of bearings", (SWITCHED, WEIGHT, ERRORS, FRICTION, BEARINGS)),
     ("+ backlash: everything", (SWITCHED, WEIGHT, ERRORS, FRICTION, BEARINGS, BACKLASH)),
 )
 """Name of each rung and its settings, the last one being everything."""
