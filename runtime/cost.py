@@ -24,7 +24,7 @@ Forces = dict[str, Vector]
 
 BATCH = 32
 """Calls of the right-hand side that Python makes at once, so that its own time does not count."""
-BLOCKS, ROUNDS = 40, 3
+BLOCKS, ROUNDS = 40, 5
 """Timed batches, and timed runs, of each variant; the least counts."""
 QUICK, REPEATS = 0.1, 5
 """Runs of less than 0.1 s are repeated, since other work on the machine would show in them."""

@@ -26,7 +26,7 @@ def explain_freedoms(scene: Scene, model: Model) -> list[Row]:
     rows = [*_reference(scene, model)]
     for body in model.bodies:
         axes = ["x", "y"] * body.lateral + ["u"] * (body.turning == "free")
-        reasons = [*_shifts(scene, body), *_turns(scene, model, body)]
+        reasons = [*_shifts(scene, body), *_turns(model, body)]
         if axes:
             rows.append({"body": body.name, "axes": axes, "reason": "; ".join(reasons)})
     return _merged(rows)
@@ -67,16 +67,16 @@ def _shifts(scene: Scene, body: Body) -> Iterator[str]:
         yield f"x, y: support = {member.support}, nothing but its meshes and pins holds it"
 
 
-def _turns(scene: Scene, model: Model, body: Body) -> Iterator[str]:
-    """Say why a body turns against the rigid motion: what is flexible at it."""
+def _turns(model: Model, body: Body) -> Iterator[str]:
+    """Say why a body, with what is rigidly joined to it, turns against the rigid motion: what is flexible there."""
     if body.turning != "free":
         return
-    groups = {i.group for i in model.instances if body.name in i.bodies}
+    joined = {body.name, *(other.name for other in model.bodies if other.leader == body.name)}
+    touching = [i for i in model.instances if joined & set(i.bodies)]
+    groups = {i.group for i in touching}
     flexible = ["its meshes are flexible"] * ("mesh" in groups)
-    flexible += ["the pins on it are flexible"] * any(
-        i.group == "pin" and i.bodies[0] == body.name for i in model.instances
-    )
-    flexible += [f"shaft {name} is flexible" for name, item in scene.couplings.items() if body.name in item.between]
+    flexible += ["the pins on it are flexible"] * any(i.group == "pin" and i.bodies[0] in joined for i in touching)
+    flexible += [f"shaft {i.name} is flexible" for i in touching if i.group == "coupling"]
     flexible += ["its torsional support is flexible"] * ("torsional_support" in groups)
     yield "u: " + (", ".join(flexible) or "nothing holds its angle")
 

@@ -124,7 +124,8 @@ def test_info_tells_geometry_motion_and_loads(data, run):
 def test_info_tells_what_effects_do_and_why_there_are_freedoms(data, run):
     shown = data("info", "rig-2mw", "--set", "effects.gravity=on")
     acting = {item["effect"]: item["here"] for item in shown["acting"]}
-    assert set(acting) == {"mesh_stiffness", "mesh_damping", "damping", "gravity"}
+    assert {"mesh_stiffness", "mesh_damping", "damping", "gravity"} <= set(acting)
+    assert not {"mesh_law", "mesh_friction", "bearing_friction"} & set(acting)
     assert acting["gravity"].startswith("gravity: 13 more")
     freedoms = {row["body"]: row for row in shown["freedoms"]}
     assert freedoms["lsp.planet.1-4"]["axes"] == ["x", "y", "u"]
@@ -142,7 +143,8 @@ def test_info_tells_what_effects_do_and_why_there_are_freedoms(data, run):
 def test_cost(data, run, tmp_path):
     shown = data("cost", "psh", "--t-end", "0.02", "--set", "effects.gravity=on", "-o", tmp_path / "cost.png")
     rows = {row["effect"]: row for row in shown["variants"]}
-    assert list(rows) == ["all", "mesh_stiffness", "mesh_damping", "damping", "gravity"]
+    assert {"mesh_stiffness", "mesh_damping", "damping", "gravity"} < set(rows)
+    assert shown["variants"][0]["effect"] == "all"
     expected = {"value", "without", "states", "ops", "ns_call", "seconds_per_simulated_second", "counts", "changes"}
     assert all(expected <= set(row) and row["reason"] == "" for row in rows.values())
     assert set(rows["all"]["changes"]) == {"force_rms", "force_peak", "load_share", "spectrum"}
