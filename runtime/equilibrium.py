@@ -6,6 +6,7 @@ import numpy as np
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
+from .continuation import follow
 from .kernel import Kernel
 from .library import Library
 
@@ -15,6 +16,8 @@ ROUNDING = 1e-8
 """Deflection [m], [rad] whose force is what forces out of balance are compared with, where nothing else acts."""
 PULL = "contact.pull"
 """The parameter by which one-sided teeth may pull; 0 in every run."""
+CLOSING = "bearing.closing"
+"""The part of bearings' clearance that is taken away; 0 in every run."""
 
 
 @dataclass(frozen=True)
@@ -80,10 +83,13 @@ def find_equilibrium(library: Library, p: Vector, levels: Vector | None = None) 
     """
     x = start_state(library, p)
     levels = mean_levels(library, x, p) if levels is None else levels
-    names = [name for name, _ in library.manifest.parameters]
-    if PULL in names:
-        # Teeth that just touch hold nothing: let them pull until the load has pressed them together.
-        pulling = np.where(np.array(names) == PULL, 1.0, p)
+    names = np.array([name for name, _ in library.manifest.parameters])
+    # Teeth that just touch hold nothing: let them pull until the load has pressed them together.
+    pulling = np.where(names == PULL, 1.0, p)
+    if CLOSING in names:
+        # Nor does a bearing within its clearance: open the clearance under load.
+        x = follow(lambda part, x: _newton(library, np.where(names == CLOSING, part, pulling), x, levels).x, x)
+    elif PULL in names:
         x = _newton(library, pulling, x, levels).x
     return _newton(library, p, x, levels)
 

@@ -141,20 +141,27 @@ EFFECTS: tuple[Effect, ...] = (
     ),
     Effect(
         "mesh_friction",
-        ("off", "pitch-point"),
+        ("off", "pitch-point", "sliding"),
         "off",
         "off",
-        "Tangential mesh force: the paper's Coulomb and viscous force, made dissipative.",
-        "Wu et al. 2021 eqs 14, 27",
-        needs={"pitch-point": "a mesh with a friction table; give one its coefficient"},
+        "Tangential mesh force: the paper's at the pitch point, made dissipative, or Coulomb's at the tooth contacts.",
+        "Wu et al. 2021 eqs 14, 27; load sharing of the contacts: ISO/TR 15144-1",
+        needs=dict.fromkeys(("pitch-point", "sliding"), "a mesh with a friction table; give one its coefficient"),
     ),
     Effect(
         "damping",
-        ("on", "off"),
+        ("on", "off", "rayleigh"),
         "on",
         "off",
-        "Viscous dampers of bearings, torsional couplings and supports.",
-        "assumed form",
+        "Viscous dampers of bearings, couplings and supports: their own, or Rayleigh's, alpha M + beta K.",
+        "assumed form; Rayleigh 1877, The Theory of Sound, section 102",
+        needs={"rayleigh": "a rayleigh table; give it mass or stiffness"},
+        excludes={
+            "rayleigh": (
+                Exclusion("contact", ("one-flank", "backlash"), "teeth that part have no constant damper"),
+                Exclusion("bearing_clearance", ("on",), "a bearing with clearance has no constant damper"),
+            )
+        },
     ),
     Effect(
         "bearing_friction",
@@ -164,6 +171,15 @@ EFFECTS: tuple[Effect, ...] = (
         "Friction torque of the planet bearings.",
         "Wu et al. 2021 eq 30, made dissipative",
         needs={"on": "a pin with friction or friction_damping; give one"},
+    ),
+    Effect(
+        "bearing_clearance",
+        ("off", "on"),
+        "off",
+        "off",
+        "Radial clearance of bearings and planet bearings: no force before it is used up.",
+        "Kahraman and Singh 1991, J. Sound Vib. 144:469",
+        needs={"on": "a bearing or pin with clearance; give one"},
     ),
     Effect(
         "planet_position_error",

@@ -24,11 +24,17 @@ QUANTITIES = {
     ("mesh", "contact"): ("mesh_contact", "mesh"),
     ("mesh", "pressure_angle"): ("pressure_angle", "mesh"),
     ("mesh_friction", "friction"): ("mesh_friction", "mesh"),
+    ("mesh_sliding", "friction"): ("mesh_friction", "mesh"),
     ("pin", "force_x"): ("pin_force_x", "pin"),
     ("pin", "force_y"): ("pin_force_y", "pin"),
     ("pin_friction", "friction_torque"): ("pin_friction_torque", "pin"),
     ("ground_bearing", "force_x"): ("bearing_force_x", "bearing"),
     ("ground_bearing", "force_y"): ("bearing_force_y", "bearing"),
+    ("pin_clearance", "force_x"): ("pin_force_x", "pin"),
+    ("pin_clearance", "force_y"): ("pin_force_y", "pin"),
+    ("pin_clearance_friction", "friction_torque"): ("pin_friction_torque", "pin"),
+    ("ground_clearance", "force_x"): ("bearing_force_x", "bearing"),
+    ("ground_clearance", "force_y"): ("bearing_force_y", "bearing"),
     ("coupling", "torque"): ("coupling_torque", "coupling"),
     ("torsional_support", "torque"): ("support_torque", "support"),
 }
@@ -191,11 +197,20 @@ class _Assembly:
         (x, y, u), (vx, vy, w) = self.motion(body)
         if rates == "frame" and self.basis == "frame":
             return [x, y, u], [vx, vy, w]
+        if rates == "deviation":
+            return self._turned(body, [x, y, u], [vx, vy, w])
         beta, turn = self.frame_turn(body)
         vx, vy, w = vx - turn * y, vy + turn * x, w + self._ratio(body) * self.speed
         if self.basis == "frame":
             return [x, y, u], [vx, vy, w]
         return [*rotate(beta, x, y), u + self._ratio(body) * self.phi], [*rotate(beta, vx, vy), w]
+
+    def _turned(self, body: Body, at: list[Any], rates: list[Any]) -> tuple[list[Any], list[Any]]:
+        """Return position and rates in the frame, resolved in the basis chosen."""
+        if self.basis == "frame":
+            return at, rates
+        beta, _ = self.frame_turn(body)
+        return [*rotate(beta, *at[:2]), self._angle(body)], [*rotate(beta, *rates[:2]), rates[2]]
 
     def call(self, instance: Instance, still: bool = False) -> dict[str, Any]:
         """Evaluate one element instance, or what it would give if nothing moved (``still``)."""
@@ -443,11 +458,18 @@ class _Assembly:
                 weight += result["potential"]
             else:
                 strain += result["potential"]
-                lost += result["loss"]
+                lost += self._loss(instance, result)
                 if instance.group == "mesh":
                     put_in, booked = self._parametric(instance, result)
                     given, lost = given + put_in, lost - booked
         return ca.vertcat(kinetic, strain, weight, given, lost)
+
+    def _loss(self, instance: Instance, result: dict[str, Any]) -> Any:  # noqa: ANN401
+        """Return the power that an element takes; one that sees deviations works against the rigid motion too."""
+        if make(instance.element).rates != "deviation":
+            return result["loss"]
+        body = self.bodies[instance.bodies[0]]
+        return -ca.dot(result["force"], ca.vertcat(*self.port(body, "absolute")[1]))
 
     def _parametric(self, instance: Instance, result: dict[str, Any]) -> tuple[Any, Any]:
         """Return the power [W] put in by stiffness and errors that vary with the nominal phase.

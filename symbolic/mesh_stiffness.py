@@ -36,12 +36,6 @@ def levels(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int
     return single, None if mesh.double_factor is None else single * mesh.double_factor
 
 
-def single_share(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> float:
-    """Return the share of a tooth pitch in single contact, 2 - contact ratio (eq 9)."""
-    ratio = mesh.contact_ratio or gears.contact_ratio(stage, one, two, sigma, gears.stage_distance(stage))
-    return 2.0 - ratio
-
-
 def is_computed(mesh: Mesh) -> bool:
     """Tell whether a mesh's stiffness is computed over the whole pitch."""
     return mesh.face_width is not None and mesh.double_factor is None
@@ -56,7 +50,7 @@ def arcs(
     contact moves away from the tip of gear 1, which is then driven.
     """
     phase, k = _curve(stage, mesh, one, two, sigma, backwards)
-    share = single_share(stage, mesh, one, two, sigma)
+    share = gears.single_share(stage, mesh, one, two, sigma)
     found: list[float] = []
     for part, middle in ((phase < share, share / 2), (phase >= share, (1 + share) / 2)):
         found += np.polynomial.polynomial.polyfit(phase[part] - middle, k[part], 2).tolist()
@@ -107,7 +101,7 @@ def _curve(
     """Return phases [pitches] that divide a pitch evenly, and the stiffness computed there [N/m]."""
     teeth = _tooth(stage, one, sigma < 0), _tooth(stage, two, False)
     phase, k = _computed_curve(*teeth, mesh.face_width or 0.0, gears.stage_distance(stage))
-    return ((single_share(stage, mesh, one, two, sigma) - phase) % 1.0, k) if backwards else (phase, k)
+    return ((gears.single_share(stage, mesh, one, two, sigma) - phase) % 1.0, k) if backwards else (phase, k)
 
 
 def _tooth(stage: Planetary | Pair, gear: Gear, internal: bool) -> Tooth:

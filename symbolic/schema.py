@@ -48,6 +48,8 @@ TorsionalDamping = Annotated[float, Quantity("N*m*s/rad", positive=True)]
 Density = Annotated[float, Quantity("kg/m^3", positive=True)]
 Duration = Annotated[float, Quantity("s", positive=True)]
 Rate = Annotated[float, Quantity("1/s", positive=True)]
+DecayRate = Annotated[float, Quantity("1/s")]
+DecayTime = Annotated[float, Quantity("s")]
 Speed = Annotated[float, Quantity("rad/s")]
 SmallSpeed = Annotated[float, Quantity("rad/s", positive=True)]
 Torque = Annotated[float, Quantity("N*m")]
@@ -92,11 +94,21 @@ class Disc(Table):
 
 
 class Bearing(Table):
-    """Isotropic radial spring-damper; a damping ratio refers to the member's own mass."""
+    """Isotropic radial spring-damper; a damping ratio refers to the member's own mass.
+
+    The radial ``clearance`` acts when ``bearing_clearance`` is on.
+    """
 
     stiffness: Stiffness
     damping: Damping | None = None
     damping_ratio: Ratio | None = None
+    clearance: Bore | None = None
+
+    def faults(self) -> Iterator[str]:
+        """Check the clearance."""
+        yield from super().faults()
+        if self.clearance is not None and self.clearance < 0:
+            yield ".clearance: must not be negative; a bearing that is preloaded has none"
 
 
 class PinBearing(Bearing):
@@ -166,7 +178,7 @@ class Gear(Member):
 
 
 class Friction(Table):
-    """Pitch-point friction of a mesh; acts when ``mesh_friction`` is on."""
+    """Friction of a mesh; acts when ``mesh_friction`` is on, ``damping`` at the pitch point only."""
 
     coefficient: Annotated[float, Field(ge=0, lt=1)]
     speed: Velocity = 0.01
@@ -366,6 +378,21 @@ class Load(Table):
             yield ".initial_speed: goes with torque; speed is held from the start"
 
 
+class Rayleigh(Table):
+    """Factors of Rayleigh damping, C = mass M + stiffness K; acts when ``damping`` is ``rayleigh``."""
+
+    mass: DecayRate = 0.0
+    stiffness: DecayTime = 0.0
+
+    def faults(self) -> Iterator[str]:
+        """Check that they damp."""
+        for key in ("mass", "stiffness"):
+            if getattr(self, key) < 0:
+                yield f".{key}: must not be negative"
+        if self.mass == self.stiffness == 0:
+            yield "damps nothing; give mass or stiffness, or both"
+
+
 class Simulation(Table):
     """Defaults of ``ltcgear simulate`` for this scene."""
 
@@ -413,4 +440,5 @@ class Scene(Table):
     gravity: Annotated[list[Acceleration], Field(min_length=2, max_length=2)] = [0.0, -9.80665]
     effects: Annotated[dict[str, str], BeforeValidator(_effects)] = DEFAULTS
     simulation: Simulation = Simulation()
+    rayleigh: Rayleigh | None = None
     sources: dict[str, str] = {}

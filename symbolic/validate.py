@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from math import acos, cos, degrees, pi, tau
+from math import acos, cos, degrees, pi, tan, tau
 from typing import Annotated, Any
 
 import numpy as np
@@ -24,7 +24,8 @@ def validate(scene: Scene) -> list[str]:
     }
     faults = [*_names(scene.stages, scene.rotors), *_references(train.members(scene), plain)]
     for name, stage in scene.stages.items():
-        faults += _stage(name, stage)
+        found = list(_stage(name, stage))
+        faults += found or _sliding(name, stage, scene.effects["mesh_friction"])
     if not scene.stages and not scene.rotors:
         faults.append("stages: the scene has no member; add a stage or a rotor")
     return faults or [*_loads(scene)] or train.motion(scene)[1]
@@ -220,7 +221,7 @@ def _profile(key: str, geometry: tuple[Planetary | Pair, Mesh, Gear, Gear, int])
     mesh = geometry[1]
     single, double = mesh_stiffness.levels(*geometry)
     if double is not None:
-        share = mesh_stiffness.single_share(*geometry)
+        share = gears.single_share(*geometry)
         if "transition" in mesh.model_fields_set and mesh.transition > 2 * min(share, 1 - share):
             room = 2 * min(share, 1 - share)
             yield f"{key}.transition: transitions overlap, single contact lasts {share:.3f} pitches; {room:.3f} at most"
@@ -285,6 +286,25 @@ def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two
         yield f"{key}.contact_ratio: full-depth teeth would have {ratio:.3f}, outside 1 to 2; {cure}"
     elif gears.interference(stage, one, two, sigma, distance):
         yield f"{key}.contact_ratio: full-depth tips would cut into the flanks below the base circle; {cure}"
+
+
+def _sliding(name: str, stage: Planetary | Pair, friction: str) -> Iterator[str]:
+    """Check that sliding friction knows where the teeth touch: between the base circles, one or two pairs."""
+    for mesh_name, mesh, one, two, sigma in meshes(stage):
+        key = f"stages.{name}.{mesh_name}"
+        if friction != "sliding" or mesh.friction is None:
+            continue
+        if stage.module is None or one.teeth is None or two.teeth is None:
+            yield f"{key}.friction: sliding needs the teeth of both gears, module and pressure_angle; give them"
+            continue
+        ratio = 2.0 - gears.single_share(stage, mesh, one, two, sigma)
+        at, ends = gears.mesh_geometry(stage, one, two, sigma), gears.path_of_contact(stage, one, two, sigma)
+        half, middle = ratio * pi * at.r1 / one.teeth, sum(ends) / 2
+        on_one, on_two = sigma * middle + at.r1 * tan(at.alpha), at.r2 * tan(at.alpha) - middle
+        if not 1 < ratio < 2:
+            yield f"{key}.contact_ratio: full-depth teeth would have {ratio:.3f}, outside 1 to 2; give contact_ratio"
+        elif min(on_one, on_two) < half:
+            yield f"{key}.contact_ratio: {ratio:.3f} leads the teeth's contact past a base circle; give a smaller one"
 
 
 def _room(key: str, stage: Planetary) -> Iterator[str]:

@@ -9,6 +9,7 @@ from ..validate import meshes
 from .bodies import add_body, add_coupling, add_gravity, add_member, add_pin
 from .draft import Draft, MeshPlace
 from .gearing import add_mesh
+from .rayleigh import add_rayleigh
 from .rigid import find_leaders, in_plane, pin_places, rigid_pins
 
 
@@ -44,6 +45,7 @@ def build_model(scene: Scene) -> Model:
             draft.place(f"loads.{name}", ("external_torque",), (load.member,), T=torque)
     if draft.on("gravity"):
         add_gravity(draft)
+    add_rayleigh(draft)
     return Model(
         scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, tuple(draft.instances),
         tuple(draft.levels), tuple(draft.phases), tuple(draft.profiles), tuple(draft.rollings),

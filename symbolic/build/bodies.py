@@ -6,6 +6,7 @@ from .. import train
 from ..model import BASIS, Body
 from ..schema import Bearing, Coupling, Member, Planetary, Rotor, TorsionalSupport
 from .draft import Draft
+from .rayleigh import rayleigh_of
 from .rigid import joined_inertia, mass_centre, seated, static_moment, turning_of
 
 
@@ -47,7 +48,10 @@ def add_body(
 def _damper(
     draft: Draft, key: str, item: Bearing | TorsionalSupport | Coupling, inertia: float, unit: str
 ) -> str | None:
-    """Note the damper that goes with a spring: given, or 2 zeta sqrt(k m); None where there is none."""
+    """Note the damper that goes with a spring: given, 2 zeta sqrt(k m), or Rayleigh's; None where there is none."""
+    factors = rayleigh_of(draft)
+    if factors is not None and factors.stiffness:
+        return draft.number(f"{key}.damping", factors.stiffness * item.stiffness, unit)
     if not draft.on("damping"):
         return None
     value = item.damping
@@ -69,7 +73,20 @@ def _ground_bearing(draft: Draft, name: str, bearing: Bearing, place: tuple[str,
     damper = _damper(draft, f"{name}.bearing", bearing, mass, "N*s/m")
     if damper:
         bind["c"] = damper
-    draft.place(name, ("ground_bearing", damper is not None), (name,), **bind, **_origin(draft, place))
+    race = _clearance(draft, f"{name}.bearing", bearing)
+    group = "ground_clearance" if race else "ground_bearing"
+    draft.place(name, (group, damper is not None), (name,), **bind, **_origin(draft, place), **race)
+
+
+def _clearance(draft: Draft, key: str, bearing: Bearing) -> dict[str, str]:
+    """Bind the clearance of a bearing, nothing where it has none."""
+    if not draft.on("bearing_clearance") or bearing.clearance is None:
+        return {}
+    return {
+        "clearance": draft.number(f"{key}.clearance", bearing.clearance, "m"),
+        "closing": draft.number("bearing.closing", 0.0, ""),
+        "epsilon": draft.number("bearing.rounding", 1e-9, "m"),
+    }
 
 
 def _torsional_support(draft: Draft, name: str, support: TorsionalSupport, inertia: float) -> None:
@@ -119,11 +136,13 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
     mass = draft.parameters[f"{name}.planet.mass"].value
     damper = _damper(draft, f"{name}.pin", stage.pin, mass, "N*s/m")
     label = f"{name}.pin.{number}"
-    draft.place(label, ("pin", damper is not None), bodies, **bind, **({"c": damper} if damper else {}))
+    bind |= _clearance(draft, f"{name}.pin", stage.pin)
+    group = "pin_clearance" if "clearance" in bind else "pin"
+    draft.place(label, (group, damper is not None), bodies, **bind, **({"c": damper} if damper else {}))
     if draft.on("bearing_friction") and (stage.pin.friction or stage.pin.friction_damping):
         pin = stage.pin
         draft.place(
-            label, ("pin_friction",), bodies, **bind,
+            label, (f"{group}_friction",), bodies, **bind,
             mu=draft.number(f"{name}.pin.friction", pin.friction, ""),
             d_b=draft.number(f"{name}.pin.diameter", pin.diameter or 0.0, "m"),
             c_r=draft.number(f"{name}.pin.friction_damping", pin.friction_damping or 0.0, "N*m*s/rad"),

@@ -39,7 +39,7 @@ def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
             continue
         teeth = at.wheels[parts.index(item.gear)].teeth
         key = f"{at.name}.tooth_error_{number}"
-        share = draft.number(f"{at.name}.single_share", mesh_stiffness.single_share(*at.geometry), "")
+        share = draft.number(f"{at.name}.single_share", gears.single_share(*at.geometry), "")
         numbers = (
             draft.number(key, item.error, "m"),
             draft.number(f"{key}.tooth", item.tooth, ""),

@@ -3,11 +3,13 @@
 from math import cos, pi, sin, sqrt
 
 from .. import gears, train
-from ..model import BACK, TURN, Body, Level, Phase, Rolling
+from ..model import BACK, PHASE, TURN, Body, Level, Phase, Rolling
 from ..schema import Eccentricity, Planetary
 from .bodies import reduced, swinging
 from .draft import Draft, MeshPlace
 from .errors import bind_error
+from .friction import add_friction
+from .rayleigh import rayleigh_of
 from .stiffness import bind_stiffness
 
 
@@ -38,7 +40,15 @@ def add_mesh(draft: Draft, at: MeshPlace) -> None:
     kind = "external" if at.sigma > 0 else "internal"
     two_levels, followed = "level" in bind, "k_d" in bind
     _contact(draft, at, bodies, (kind, law, two_levels, "c" in bind), (error, followed), bind)
-    _friction(draft, at, kind, geometry, bind)
+    if at.mesh.friction is not None and effects["mesh_friction"] != "off":
+        # Friction needs the place of the contact, even where nothing moves sideways.
+        add_friction(
+            draft,
+            at,
+            bodies=_teeth(draft, at),
+            law=effects["mesh_law"],
+            place=_in_plane(draft, at, geometry, effects["mesh_law"]),
+        )
     if at.wheels[0].teeth is not None:
         _phase(draft, at)
 
@@ -116,26 +126,10 @@ def _contact(
         draft.place(at.label + BACK, ("mesh", *form, "gap", *extra), bodies, **bind | back)
 
 
-def _friction(draft: Draft, at: MeshPlace, kind: str, geometry: gears.MeshGeometry, bind: dict[str, str]) -> None:
-    """Add the paper's friction at the pitch point; it knows the gears' places even where nothing moves sideways."""
-    friction = at.mesh.friction
-    if draft.scene.effects["mesh_friction"] != "pitch-point" or friction is None:
-        return
-    law = draft.scene.effects["mesh_law"]
-    shared = {key: value for key, value in bind.items() if key not in ("c", "k_d", "z_1")} | _in_plane(
-        draft, at, geometry, law
-    )
-    shared |= {
-        "mu": draft.number(f"{at.name}.friction.coefficient", friction.coefficient, ""),
-        "v_0": draft.number(f"{at.name}.friction.speed", friction.speed, "m/s"),
-        "c_t": draft.number(f"{at.name}.friction.damping", friction.damping or 0.0, "N*s/m"),
-    }
-    draft.place(at.label, ("mesh_friction", kind, law, "level" in bind, "e" in bind), _teeth(draft, at), **shared)
-
-
 def _mesh_damping(draft: Draft, at: MeshPlace, geometry: gears.MeshGeometry, mean: float, bind: dict[str, str]) -> None:
-    """Bind the mesh damper: given, or 2 zeta sqrt(k m) on the gears' equivalent mass 1/(r1^2/I1 + r2^2/I2)."""
-    value = at.mesh.damping
+    """Bind the mesh damper: Rayleigh's, given, or 2 zeta sqrt(k m) on the equivalent mass 1/(r1^2/I1 + r2^2/I2)."""
+    factors = rayleigh_of(draft)
+    value = at.mesh.damping if factors is None else factors.stiffness * mean
     if value is None and at.mesh.damping_ratio is not None:
         everyone = train.members(draft.scene)
         kin = [body if body in everyone else body.rsplit(".", 1)[0] for body in at.members]
@@ -159,6 +153,7 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
     start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.direction / (2 * pi), "")
     draft.rollings.append(Rolling(at.label, per_turn, at.members[0], start))
     followed = any(profile.mesh == at.label for profile in draft.profiles)
+    followed |= any(i.name.removesuffix(BACK) == at.label and PHASE in i.bind.values() for i in draft.instances)
     if not (at.switched or followed):
         return
     runs = draft.rigid.mode != "rest" and relative != 0.0

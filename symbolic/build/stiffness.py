@@ -1,6 +1,6 @@
 """How a mesh's stiffness is bound: one number, two and a level, or a profile over the mesh phase."""
 
-from .. import mesh_stiffness
+from .. import gears, mesh_stiffness
 from ..model import LEVEL, SLOPE, STIFFNESS, Profile
 from .draft import Draft, MeshPlace
 
@@ -16,7 +16,7 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
     if double is None:
         bind["k"] = draft.number(f"{at.name}.stiffness", single, "N/m")
         return single
-    share = mesh_stiffness.single_share(*geometry)
+    share = gears.single_share(*geometry)
     mean = single * share + double * (1 - share)
     computed = mesh_stiffness.is_computed(at.mesh)
     if chosen in ("mean", "table"):

@@ -58,7 +58,8 @@ class Element:
     and ``wrench`` is what Newton's laws need: force and torque on each port, written by hand.
     ``checks.agree`` proves that they are the same. An element is frame-invariant (it may be
     evaluated in a turning basis) unless ``rates`` is ``"absolute"``, in which case velocities
-    must be those against the ground, resolved in the basis.
+    must be those against the ground, resolved in the basis, or ``"deviation"``, in which case they
+    must be those in the turning frame, whatever the basis.
 
     Attributes
     ----------

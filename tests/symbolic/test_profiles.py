@@ -3,7 +3,7 @@
 import casadi as ca
 import numpy as np
 import pytest
-from ltcgear.symbolic import mesh_stiffness
+from ltcgear.symbolic import gears, mesh_stiffness
 from ltcgear.symbolic.profiles import evaluate
 from ltcgear.symbolic.scene import load_scene, make_scene
 
@@ -94,7 +94,7 @@ def test_arcs_follow_the_computed_curve():
 
     one, two = Tooth(22, 0.016, np.radians(20)), Tooth(48, 0.016, np.radians(20))
     phase, k = computed(one, two, 0.4, pair[0].center_distance or (22 + 48) * 0.008)
-    share = mesh_stiffness.single_share(*pair)
+    share = gears.single_share(*pair)
     away = np.minimum(np.abs(phase - share), np.minimum(phase, 1 - phase)) > 2e-3
     for here, level in ((phase < share, 0.0), (phase >= share, 1.0)):
         value, _ = curve("arcs", (share, *found), phase[here & away], level)
