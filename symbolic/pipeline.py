@@ -5,9 +5,9 @@ from functools import cache
 from pathlib import Path
 from time import perf_counter
 
+from ltcgear.generated import store
 from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import CheckError
-from ltcgear.generated.store import digest
 
 from .model import Model
 
@@ -26,7 +26,7 @@ def content_key(model: Model) -> str:
     """Return the key under which a model's C is kept: structure, source text of the equations, versions at work."""
     from importlib.metadata import version
 
-    return digest([model.structure(), _sources(), version("casadi"), version("sympy")])
+    return store.digest([model.structure(), _sources(), version("casadi"), version("sympy")])
 
 
 def generate(model: Model, told: Callable[[str, float], None] = lambda stage, seconds: None) -> Artifact:
@@ -63,4 +63,22 @@ def generate(model: Model, told: Callable[[str, float], None] = lambda stage, se
     lap("check")
     artifact = emit(model, equations)
     lap("emit")
+    return artifact
+
+
+def obtain(
+    model: Model, told: Callable[[str, float], None] = lambda stage, seconds: None, fresh: bool = False
+) -> Artifact:
+    """Return a model's C from the store; where it is not there, or ``fresh`` is wanted, generate and keep it.
+
+    Raises
+    ------
+    CheckError
+        As ``generate``.
+    """
+    key = content_key(model)
+    artifact = None if fresh else store.get(key)
+    if artifact is None:
+        artifact = generate(model, told)
+        store.put(key, artifact)
     return artifact

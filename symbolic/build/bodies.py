@@ -153,9 +153,12 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
 
 def add_gravity(draft: Draft) -> None:
     """Add the weight of every body that can move sideways."""
+    heavy = [body for body in draft.bodies if body.lateral and body.mass is not None]
+    if not heavy:
+        return
     x, y = draft.scene.gravity
     bind = {"g_x": draft.number("gravity.x", x, "m/s^2"), "g_y": draft.number("gravity.y", y, "m/s^2")}
-    for body in [body for body in draft.bodies if body.lateral and body.mass is not None]:
+    for body in heavy:
         centre = mass_centre(draft, body)
         if centre is not body:
             draft.bodies.append(centre)
