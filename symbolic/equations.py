@@ -15,7 +15,7 @@ from ltcgear.generated.contract import Report, State
 from .elements import make
 from .joints import Joints, rotate
 from .lower import body_function, element_function
-from .model import BACK, BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, Body, Instance, Model
+from .model import BACK, BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model
 from .profiles import evaluate
 
 QUANTITIES = {
@@ -266,7 +266,9 @@ class _Assembly:
         for item in self.model.profiles:
             if (item.mesh, item.quantity) == (mesh, quantity):
                 level = self.level.get(mesh, ca.SX(0))
-                one = evaluate(item.kind, tau, level, [self.number[name] for name in item.numbers])
+                one = evaluate(
+                    item.kind, tau, level, self.number[VARYING], [self.number[name] for name in item.numbers]
+                )
                 value, slope = value + one[0], slope + one[1]
         return value, slope
 

@@ -10,6 +10,8 @@ from dataclasses import asdict, dataclass
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
+VARYING = "phase.varying"
+"""Parameter: 1 in every run; 0 where profiles over the mesh phase shall be their means."""
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
 

@@ -3,7 +3,7 @@
 from math import cos, pi, sin, sqrt
 
 from .. import gears, train
-from ..model import BACK, PHASE, TURN, Body, Level, Phase, Rolling
+from ..model import BACK, PHASE, TURN, VARYING, Body, Level, Phase, Rolling
 from ..schema import Eccentricity, Planetary
 from .bodies import reduced, swinging
 from .draft import Draft, MeshPlace
@@ -153,6 +153,8 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
     start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.direction / (2 * pi), "")
     draft.rollings.append(Rolling(at.label, per_turn, at.members[0], start))
     followed = any(profile.mesh == at.label for profile in draft.profiles)
+    if followed:
+        draft.number(VARYING, 1.0, "")
     followed |= any(i.name.removesuffix(BACK) == at.label and PHASE in i.bind.values() for i in draft.instances)
     if not (at.switched or followed):
         return
