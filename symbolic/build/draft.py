@@ -3,8 +3,9 @@
 from dataclasses import dataclass, field
 
 from .. import train
+from ..mesh_schema import Mesh
 from ..model import Body, Instance, Level, Parameter, Phase, Profile, Rolling
-from ..schema import Gear, Mesh, Pair, Planetary, Scene
+from ..schema import Gear, Pair, Planetary, Scene
 
 
 @dataclass
