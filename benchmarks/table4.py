@@ -6,8 +6,8 @@ Run as ``python -m benchmarks.table4``.
 from pathlib import Path
 
 from ltcgear.symbolic import gears, mesh_stiffness
-from ltcgear.symbolic.scene import load_scene
 from ltcgear.symbolic.mesh_schema import Mesh
+from ltcgear.symbolic.scene import load_scene
 from ltcgear.symbolic.schema import Planetary
 from ltcgear.symbolic.validate import meshes
 
