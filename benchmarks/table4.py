@@ -6,8 +6,9 @@ Run as ``python -m benchmarks.table4``.
 from pathlib import Path
 
 from ltcgear.symbolic import gears, mesh_stiffness
+from ltcgear.symbolic.mesh_schema import Mesh
 from ltcgear.symbolic.scene import load_scene
-from ltcgear.symbolic.schema import Mesh, Planetary
+from ltcgear.symbolic.schema import Planetary
 from ltcgear.symbolic.validate import meshes
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "stiffness.md"

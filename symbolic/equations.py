@@ -15,7 +15,7 @@ from ltcgear.generated.contract import Report, State
 from .elements import make
 from .joints import Joints, rotate
 from .lower import body_function, element_function
-from .model import BACK, BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, Body, Instance, Model
+from .model import BACK, BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model
 from .profiles import evaluate
 
 QUANTITIES = {
@@ -257,7 +257,8 @@ class _Assembly:
         if ERROR in used:
             sign = -1 if instance.name.endswith(BACK) else 1
             error, slope = self.profile(mesh, "error", self.mesh_phase_of(mesh))
-            special |= {ERROR: sign * error, ERROR_RATE: sign * slope * self.mesh_rate_of(mesh)}
+            opening, _ = self.profile(mesh, "opening", ca.SX(0))
+            special |= {ERROR: sign * error + opening, ERROR_RATE: sign * slope * self.mesh_rate_of(mesh)}
         return special
 
     def profile(self, mesh: str, quantity: str, tau: Any) -> tuple[Any, Any]:  # noqa: ANN401
@@ -266,7 +267,9 @@ class _Assembly:
         for item in self.model.profiles:
             if (item.mesh, item.quantity) == (mesh, quantity):
                 level = self.level.get(mesh, ca.SX(0))
-                one = evaluate(item.kind, tau, level, [self.number[name] for name in item.numbers])
+                one = evaluate(
+                    item.kind, tau, level, self.number[VARYING], [self.number[name] for name in item.numbers]
+                )
                 value, slope = value + one[0], slope + one[1]
         return value, slope
 
@@ -287,7 +290,9 @@ class _Assembly:
         """Return a mesh's stiffness and its slope where the phase is that of gear 1's own motion."""
         mesh = instance.name.removesuffix(BACK)
         phase = next(phase for phase in self.model.phases if phase.name == mesh)
-        rigid = self.mesh_phase_of(mesh) if self.basis == "frame" else self.number[phase.start]
+        rigid = self.number[phase.rolled]
+        if self.basis == "frame" and phase.rate is not None:
+            rigid = rigid + self.number[phase.rate] * self.phi
         return self.profile(mesh, "stiffness", rigid + self.number[instance.bind["z_1"]] / (2 * pi) * rolling)
 
     def equations(self) -> Equations:
@@ -399,7 +404,12 @@ class _Assembly:
         if body.lateral:
             beta, _ = self.frame_turn(body)
             mass = self.number[body.mass or ""]
-            for axis, value in zip("xy", rotate(beta, force[0] / mass, force[1] / mass), strict=True):
+            fx, fy = force[0], force[1]
+            if body.moment is not None:
+                fx, fy = Joints(self).unbalance(
+                    body, fx, fy, self._spin(body, self._reference_acceleration(self.forces))
+                )
+            for axis, value in zip("xy", rotate(beta, fx / mass, fy / mass), strict=True):
                 yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member"), value
             for axis, value in zip("xy", self._velocity(body), strict=True):
                 yield Report(f"velocity_{axis}", body.name, "m/s", "member"), value

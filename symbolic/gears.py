@@ -6,7 +6,8 @@ Sources: DIN 3960 / ISO 21771 for radii, working pressure angle and contact rati
 from dataclasses import dataclass
 from math import acos, atan, cos, pi, sin, sqrt, tan
 
-from .schema import Gear, Mesh, Pair, Planetary, Stage
+from .mesh_schema import Mesh
+from .schema import Gear, Pair, Planetary, Stage
 
 
 def involute(alpha: float) -> float:

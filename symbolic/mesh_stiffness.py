@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import gears, tooth_stiffness
-from .schema import Gear, Mesh, Pair, Planetary
+from .mesh_schema import Mesh
+from .schema import Gear, Pair, Planetary
 from .series import Pairs
 from .tooth_stiffness import Tooth
 

@@ -10,6 +10,8 @@ from dataclasses import asdict, dataclass
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
+VARYING = "phase.varying"
+"""Parameter: 1 in every run; 0 where profiles over the mesh phase shall be their means."""
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
 
@@ -97,16 +99,23 @@ class Level:
 
 @dataclass(frozen=True)
 class Phase:
-    """The phase tau = rate * phi + start [cycles] of a mesh with an element that follows it; no rate at rest."""
+    """The phase tau = rate * phi + start [cycles] of a mesh with an element that follows it; no rate at rest.
+
+    ``rolled`` is the start in its place where the phase is that of gear 1's own motion.
+    """
 
     name: str
     rate: str | None
     start: str
+    rolled: str
 
 
 @dataclass(frozen=True)
 class Profile:
-    """What a mesh's stiffness or error is over its phase: a kind of ``profiles`` and its parameters."""
+    """What a mesh's ``stiffness``, ``error`` or ``opening`` is over its phase: a kind of ``profiles``, its parameters.
+
+    Both flanks see an error with opposite signs, since it is a motion, and an opening with the same.
+    """
 
     mesh: str
     quantity: str

@@ -64,21 +64,37 @@ def _constant(tau: Value, level: Value, size: Value) -> Value:
     return size
 
 
-KINDS: dict[str, Callable[..., Value]] = {
-    "smooth": _smooth, "series": _series, "arcs": _arcs, "tooth": _tooth, "constant": _constant,
-}  # fmt: skip
+def _smooth_mean(single: Value, double: Value, share: Value, width: Value) -> Value:
+    """Return the mean of ``_smooth``: transitions take as much as they give."""
+    return share * single + (1 - share) * double
+
+
+def _arcs_mean(share: Value, *c: Value) -> Value:
+    """Return the mean of ``_arcs``."""
+    return share * (c[0] + c[2] * share**2 / 12) + (1 - share) * (c[3] + c[5] * (1 - share) ** 2 / 12)
+
+
+#: Kind -> value at a phase, and what stands for it where nothing varies: its mean; a single tooth's error is left out.
+KINDS: dict[str, tuple[Callable[..., Value], Callable[..., Value]]] = {
+    "smooth": (_smooth, _smooth_mean),
+    "series": (_series, lambda mean, *amplitudes: mean),
+    "arcs": (_arcs, _arcs_mean),
+    "tooth": (_tooth, lambda *numbers: 0),
+    "constant": (_constant, lambda size: size),
+}
 
 
 @cache
 def _function(kind: str, count: int) -> ca.Function:
-    """Lower one kind: (tau, level, numbers) -> value and its slope per cycle."""
-    tau, level = ca.SX.sym("tau"), ca.SX.sym("level")
+    """Lower one kind: (tau, level, varying, numbers) -> value and its slope per cycle."""
+    tau, level, varying = ca.SX.sym("tau"), ca.SX.sym("level"), ca.SX.sym("varying")
     numbers = [ca.SX.sym(f"n{i}") for i in range(count)]
-    value = ca.SX(KINDS[kind](tau, level, *numbers))
-    return ca.Function(kind, [tau, level, *numbers], [value, ca.jacobian(value, tau)])
+    value, mean = (ca.SX(written) for written in (KINDS[kind][0](tau, level, *numbers), KINDS[kind][1](*numbers)))
+    results = [mean + varying * (value - mean), varying * ca.jacobian(value, tau)]
+    return ca.Function(kind, [tau, level, varying, *numbers], results)
 
 
-def evaluate(kind: str, tau: Value, level: Value, numbers: Sequence[Value]) -> tuple[Value, Value]:
+def evaluate(kind: str, tau: Value, level: Value, varying: Value, numbers: Sequence[Value]) -> tuple[Value, Value]:
     """Return a profile's value and its slope per cycle at a phase.
 
     Parameters
@@ -87,8 +103,10 @@ def evaluate(kind: str, tau: Value, level: Value, numbers: Sequence[Value]) -> t
         A key of ``KINDS``.
     tau, level
         Mesh phase [cycles], and mesh level where the profile jumps with it.
+    varying
+        1, or 0 for the mean in place of what varies.
     numbers
         What shapes the profile, in the order of its function.
     """
-    value, slope = _function(kind, len(numbers))(tau, level, *numbers)
+    value, slope = _function(kind, len(numbers))(tau, level, varying, *numbers)
     return value, ca.densify(slope)

@@ -1,82 +1,39 @@
 """The scene's schema: strict pydantic models; every quantity is text with a unit."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, model_validator
-from pydantic_core import core_schema
+from pydantic import BeforeValidator, Field
 
-from . import units
 from .effects import DEFAULTS, EFFECTS, contradictions
-from .series import Pairs, Series
+from .mesh_schema import Mesh
+from .quantities import (
+    Acceleration,
+    Angle,
+    Bore,
+    Damping,
+    DecayRate,
+    DecayTime,
+    Density,
+    Duration,
+    Force,
+    Inertia,
+    Length,
+    Mass,
+    Name,
+    Rate,
+    Ratio,
+    SmallSpeed,
+    Speed,
+    Stiffness,
+    Table,
+    Torque,
+    TorsionalDamping,
+    TorsionalStiffness,
+)
 
 SAMPLES = 1e8  # the most a result may hold for each of its quantities
-MOST_HARMONICS = 200
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """Marks a float field that is written as text with a unit and kept in SI."""
-
-    unit: str
-    positive: bool = False
-
-    def read(self, value: object) -> float:
-        """Convert the text of a scene."""
-        number = units.parse(value, self.unit)
-        if self.positive and number <= 0:
-            raise ValueError(f"{value!r} must be greater than zero")
-        return number
-
-    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        """Tell pydantic how to read and write the field."""
-        write = core_schema.plain_serializer_function_ser_schema(lambda value: f"{value!r} {self.unit}".strip())
-        return core_schema.no_info_before_validator_function(self.read, core_schema.float_schema(), serialization=write)
-
-
-Length = Annotated[float, Quantity("m", positive=True)]
-Bore = Annotated[float, Quantity("m")]
-Angle = Annotated[float, Quantity("rad")]
-Mass = Annotated[float, Quantity("kg", positive=True)]
-Inertia = Annotated[float, Quantity("kg*m^2", positive=True)]
-Stiffness = Annotated[float, Quantity("N/m", positive=True)]
-TorsionalStiffness = Annotated[float, Quantity("N*m/rad", positive=True)]
-Damping = Annotated[float, Quantity("N*s/m", positive=True)]
-TorsionalDamping = Annotated[float, Quantity("N*m*s/rad", positive=True)]
-Density = Annotated[float, Quantity("kg/m^3", positive=True)]
-Duration = Annotated[float, Quantity("s", positive=True)]
-Rate = Annotated[float, Quantity("1/s", positive=True)]
-DecayRate = Annotated[float, Quantity("1/s")]
-DecayTime = Annotated[float, Quantity("s")]
-Speed = Annotated[float, Quantity("rad/s")]
-SmallSpeed = Annotated[float, Quantity("rad/s", positive=True)]
-Torque = Annotated[float, Quantity("N*m")]
-Force = Annotated[float, Quantity("N", positive=True)]
-Acceleration = Annotated[float, Quantity("m/s^2")]
-Velocity = Annotated[float, Quantity("m/s", positive=True)]
-Ratio = Annotated[float, Field(gt=0, lt=1)]
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
-
-
-class Table(BaseModel):
-    """A table of the scene file; unknown keys are refused, values do not change."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        """Refuse keys that do not go together; one line a defect."""
-        found = list(self.faults())
-        if found:
-            raise ValueError("\n".join(found))
-        return self
-
-    def faults(self) -> Iterator[str]:
-        """Tell what does not go together in this table; a fault of one key begins with ``.key: ``."""
-        if getattr(self, "damping", None) is not None and getattr(self, "damping_ratio", None) is not None:
-            yield "give either damping or damping_ratio, not both"
 
 
 class Disc(Table):
@@ -175,101 +132,6 @@ class Gear(Member):
     profile_shift: Annotated[float, Field(gt=-2, lt=2)] = 0.0
     base_radius: Length | None = None
     eccentricity: Eccentricity | None = None
-
-
-class Friction(Table):
-    """Friction of a mesh; acts when ``mesh_friction`` is on, ``damping`` at the pitch point only."""
-
-    coefficient: Annotated[float, Field(ge=0, lt=1)]
-    speed: Velocity = 0.01
-    damping: Damping | None = None
-
-
-def _periodic(key: str, table: Pairs | None) -> Iterator[str]:
-    """Check that a table over the mesh phase covers one tooth pitch and closes."""
-    if table is None:
-        return
-    (first, start), (last, end) = table[0], table[-1]
-    if first < 0 or last > 1:
-        yield f"{key}: phases must lie between 0 and 1 (tooth pitches, 0 where single contact begins)"
-    elif first == 0 and last == 1 and abs(end - start) > 1e-6 * max(abs(end), abs(start)):
-        yield f"{key}: the values at phase 0 and 1 differ, {start:.6g} and {end:.6g} in SI; a pitch must close"
-    elif last - first < 0.5:
-        yield f"{key}: covers {last - first:.3g} of a pitch only; give it over the whole pitch"
-
-
-class TransmissionError(Table):
-    """Static transmission error along the line of action over the mesh phase; acts with ``transmission_error``.
-
-    Given by harmonics, e = sum of amplitude cos(2 pi n tau + phase) over n = 1, 2, ... (phases left out are
-    zero), or by a table over a tooth pitch, of which the mesh's ``harmonics`` are kept.
-    """
-
-    amplitudes: Annotated[list[Bore], Field(max_length=MOST_HARMONICS)] = []
-    phases: list[Angle] = []
-    table: Annotated[Pairs, Series("", "m")] | None = None
-
-    def faults(self) -> Iterator[str]:
-        """Check that there is one description, and that phases belong to amplitudes."""
-        if bool(self.amplitudes) == (self.table is not None):
-            yield "give either amplitudes or a table"
-        yield from _periodic(".table", self.table)
-        if self.phases and len(self.phases) != len(self.amplitudes):
-            yield f".phases: {len(self.phases)} phases for {len(self.amplitudes)} amplitudes; give one each, or none"
-
-
-class ToothError(Table):
-    """Spacing error of one tooth [m], positive where it lies back from its place; acts with ``tooth_errors``.
-
-    Tooth 0 of a gear is the one whose single contact begins at mesh phase 0.
-    """
-
-    gear: Literal["sun", "ring", "planet", "input", "output"]
-    tooth: Annotated[int, Field(ge=0)]
-    error: Bore
-    planet: Annotated[int, Field(ge=1)] | None = None
-
-
-class Mesh(Table):
-    """A gear mesh.
-
-    ``stiffness`` is that of single contact (or the constant one); alternatively
-    ``torsional_stiffness`` with its ``reference`` gear, k = K / r_b^2. ``double_factor`` is the
-    paper's xi: double contact is that much stiffer. Without it the stiffness is constant. From
-    ``face_width`` both levels are computed (spur gears). ``transition`` is the width of ``smooth`` transitions
-    in tooth pitches, ``harmonics`` how many of the mesh frequency ``fourier`` and ``table`` keep, the latter of
-    ``stiffness_table``, stiffness over the mesh phase (0 where single contact begins, 1 a tooth pitch later).
-    """
-
-    stiffness: Stiffness | None = None
-    torsional_stiffness: TorsionalStiffness | None = None
-    reference: Literal["sun", "ring", "planet", "input", "output"] | None = None
-    face_width: Length | None = None
-    stiffness_table: Annotated[Pairs, Series("", "N/m")] | None = None
-    double_factor: Annotated[float, Field(ge=1, le=3)] | None = None
-    contact_ratio: Annotated[float, Field(gt=1.000001, lt=1.999999)] | None = None
-    phase: Annotated[float, Field(ge=-1, le=1)] = 0.0
-    damping: Damping | None = None
-    damping_ratio: Ratio | None = None
-    flank: Literal["auto", "printed", "opposite"] = "auto"
-    backlash: Bore = 0.0
-    friction: Friction | None = None
-    transition: Ratio = 0.1
-    harmonics: Annotated[int, Field(ge=1, le=MOST_HARMONICS)] = 5
-    transmission_error: TransmissionError | None = None
-    tooth_errors: Annotated[list[ToothError], Field(max_length=200)] = []
-
-    def faults(self) -> Iterator[str]:
-        """Check that there is one stiffness and one damping."""
-        yield from super().faults()
-        given = sum(k is not None for k in (self.stiffness, self.torsional_stiffness, self.face_width))
-        if given > 1 or (given == 0 and self.stiffness_table is None):
-            yield "give either stiffness, or torsional_stiffness with its reference gear, or face_width"
-        elif (self.torsional_stiffness is None) != (self.reference is None):
-            yield "torsional_stiffness and reference belong together"
-        yield from _periodic(".stiffness_table", self.stiffness_table)
-        if self.stiffness_table is not None and min(value for _, value in self.stiffness_table) <= 0:
-            yield ".stiffness_table: every stiffness must be greater than zero"
 
 
 class Stage(Table):

@@ -9,7 +9,8 @@ import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError
 
 from . import gears, mesh_stiffness, train
-from .schema import Gear, Member, Mesh, Pair, Planetary, Rotor, Scene, Stage, suggest
+from .mesh_schema import Mesh
+from .schema import Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
 
 PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
 RESERVED = ("reference", "origin", "gravity", "loads", "couplings")

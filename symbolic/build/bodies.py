@@ -17,9 +17,9 @@ def add_member(
     sideways = draft.on("lateral") and isinstance(member, Member) and member.support in ("bearing", "floating")
     add_body(draft, name, name, member, sideways, frame, place)
     if sideways and isinstance(member, Member) and member.bearing is not None:
-        _ground_bearing(draft, name, member.bearing, place)
+        _ground_bearing(draft, name, member.bearing, train.inertia_of(member)[0], place)
     if member.torsional_support is not None and not train.is_fixed(member):
-        _torsional_support(draft, name, member.torsional_support, joined_inertia(draft, name, member))
+        _torsional_support(draft, name, member.torsional_support, train.inertia_of(member)[1])
     if member.drag is not None and not train.is_fixed(member):
         draft.place(f"{name}.drag", ("drag",), (name,), c_t=draft.number(f"{name}.drag", member.drag, "N*m*s/rad"))
 
@@ -66,9 +66,8 @@ def _origin(draft: Draft, place: tuple[str, str] | None) -> dict[str, str]:
     return {"x_0": x, "y_0": y}
 
 
-def _ground_bearing(draft: Draft, name: str, bearing: Bearing, place: tuple[str, str] | None) -> None:
-    """Add the bearing of a member in the housing."""
-    mass = draft.parameters[f"{name}.mass"].value
+def _ground_bearing(draft: Draft, name: str, bearing: Bearing, mass: float, place: tuple[str, str] | None) -> None:
+    """Add the bearing of a member in the housing; a damping ratio refers to the member's own mass."""
     bind = {"k": draft.number(f"{name}.bearing.stiffness", bearing.stiffness, "N/m")}
     damper = _damper(draft, f"{name}.bearing", bearing, mass, "N*s/m")
     if damper:
@@ -105,11 +104,10 @@ def reduced(one: float, two: float) -> float:
 
 
 def swinging(draft: Draft, name: str) -> float:
-    """Return the inertia of a member and of all that turns with it, 0 where its motion is held."""
-    everyone = train.members(draft.scene)
-    leader = draft.leaders.get(name, name)
-    held = turning_of(draft.scene, draft.rigid, leader, everyone[leader]) in ("held", "driven")
-    return 0.0 if held else joined_inertia(draft, leader, everyone[leader])
+    """Return a member's own inertia, 0 where its motion is held."""
+    member = train.members(draft.scene)[name]
+    held = turning_of(draft.scene, draft.rigid, name, member) in ("held", "driven")
+    return 0.0 if held else train.inertia_of(member)[1]
 
 
 def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:

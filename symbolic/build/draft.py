@@ -3,15 +3,17 @@
 from dataclasses import dataclass, field
 
 from .. import train
+from ..mesh_schema import Mesh
 from ..model import Body, Instance, Level, Parameter, Phase, Profile, Rolling
-from ..schema import Gear, Mesh, Pair, Planetary, Scene
+from ..schema import Gear, Pair, Planetary, Scene
 
 
 @dataclass
 class MeshPlace:
     """One mesh on its way into the model: names (of all equal ones, and its own), gears, and what its law needs.
 
-    ``backwards`` tells that the contact moves away from the tip of gear 1, ``switched`` that a level is needed.
+    ``in_plane`` tells that the law knows the gears' places, ``backwards`` that the contact moves away from the tip
+    of gear 1, ``switched`` that a level is needed.
     """
 
     name: str
@@ -23,6 +25,7 @@ class MeshPlace:
     members: tuple[str, str]
     direction: float
     sense: int = 1
+    in_plane: bool = True
     backwards: bool = False
     switched: bool = False
 

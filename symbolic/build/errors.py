@@ -11,9 +11,11 @@ from .rigid import pin_offset
 from .stiffness import note_series
 
 
-def bind_error(draft: Draft, at: MeshPlace, in_plane: bool, bind: dict[str, str]) -> bool:
-    """Bind the error of a mesh, where it has any; ``in_plane`` where the law knows the gears' places itself."""
-    found = [*_transmission_error(draft, at), *_tooth_errors(draft, at), *(() if in_plane else _misplaced(draft, at))]
+def bind_error(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> bool:
+    """Bind the error of a mesh, where it has any; a law in the plane knows itself where pins stand."""
+    found = [*_transmission_error(draft, at), *_tooth_errors(draft, at)]
+    if not at.in_plane:
+        found += _misplaced(draft, at)
     draft.profiles += found
     if found:
         bind |= {"e": ERROR, "e_d": ERROR_RATE}
@@ -49,16 +51,24 @@ def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
         yield Profile(at.label, "error", "tooth", numbers)
 
 
+def pin_turn(draft: Draft, at: MeshPlace) -> float:
+    """Return by how much a pin out of place turns the line of centres [rad]."""
+    if not (isinstance(at.stage, Planetary) and draft.on("planet_position_error") and at.stage.position_errors):
+        return 0.0
+    radial, tangential = pin_offset(draft.scene, at.stage, int(at.label.rsplit(".", 1)[1]))
+    return atan2(tangential, gears.stage_distance(at.stage) + radial)
+
+
 def _misplaced(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
-    """Note by how much a pin out of place opens a mesh whose gears only turn, by the involute's law."""
+    """Note by how much a pin out of place turns and opens a mesh whose gears only turn, by the involute's law."""
     stage = at.stage
     if not (isinstance(stage, Planetary) and draft.on("planet_position_error") and stage.position_errors):
         return
     radial, tangential = pin_offset(draft.scene, stage, int(at.label.rsplit(".", 1)[1]))
     nominal = gears.mesh_geometry(stage, *at.wheels, at.sigma)
     base = nominal.r1 + at.sigma * nominal.r2
-    x, y = nominal.distance + radial, tangential
-    now = sqrt(x * x + y * y - base**2) / base
+    now = sqrt((nominal.distance + radial) ** 2 + tangential**2 - base**2) / base
     opened = at.sigma * base * (now - atan2(now, 1.0) - gears.involute(nominal.alpha))
-    turned = draft.parameters[f"{at.name}.flank"].value * base * atan2(y, x)
-    yield Profile(at.label, "error", "constant", (draft.number(f"{at.label}.opened", opened + turned, "m"),))
+    turned = draft.parameters[f"{at.name}.flank"].value * base * pin_turn(draft, at)
+    yield Profile(at.label, "error", "constant", (draft.number(f"{at.label}.turned", turned, "m"),))
+    yield Profile(at.label, "opening", "constant", (draft.number(f"{at.label}.opened", opened, "m"),))

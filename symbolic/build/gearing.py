@@ -3,11 +3,11 @@
 from math import cos, pi, sin, sqrt
 
 from .. import gears, train
-from ..model import BACK, PHASE, TURN, Body, Level, Phase, Rolling
+from ..model import BACK, PHASE, TURN, VARYING, Body, Level, Phase, Rolling
 from ..schema import Eccentricity, Planetary
 from .bodies import reduced, swinging
 from .draft import Draft, MeshPlace
-from .errors import bind_error
+from .errors import bind_error, pin_turn
 from .friction import add_friction
 from .rayleigh import rayleigh_of
 from .stiffness import bind_stiffness
@@ -27,14 +27,14 @@ def add_mesh(draft: Draft, at: MeshPlace) -> None:
         "s": draft.number(f"{name}.flank", sign, ""),
     }
     bodies = _teeth(draft, at)
-    plane = effects["lateral"] == "on" or bodies != at.members
-    law = effects["mesh_law"] if plane else "torsional"
-    if plane:
+    at.in_plane = effects["lateral"] == "on" or bodies != at.members
+    law = effects["mesh_law"] if at.in_plane else "torsional"
+    if at.in_plane:
         bind |= _in_plane(draft, at, geometry, law)
     elif isinstance(at.stage, Planetary):
         law, bodies = "orbiting", (*bodies, f"{name.split('.')[0]}.carrier")
     mean = bind_stiffness(draft, at, bind)
-    error = bind_error(draft, at, plane, bind)
+    error = bind_error(draft, at, bind)
     if draft.on("mesh_damping"):
         _mesh_damping(draft, at, geometry, mean, bind)
     kind = "external" if at.sigma > 0 else "internal"
@@ -151,8 +151,15 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
     teeth = at.sense * (at.wheels[0].teeth or 0)
     per_turn = draft.number(f"{at.name}.teeth_1", teeth, "")
     start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.direction / (2 * pi), "")
-    draft.rollings.append(Rolling(at.label, per_turn, at.members[0], start))
+    rolled = start
+    if not at.in_plane and (turn := pin_turn(draft, at)):
+        # A mesh that knows angles only does not see where its pin stands.
+        before = at.mesh.phase - teeth * (at.direction + turn) / (2 * pi)
+        rolled = draft.number(f"{at.label}.rolled_phase", before, "")
+    draft.rollings.append(Rolling(at.label, per_turn, at.members[0], rolled))
     followed = any(profile.mesh == at.label for profile in draft.profiles)
+    if followed:
+        draft.number(VARYING, 1.0, "")
     followed |= any(i.name.removesuffix(BACK) == at.label and PHASE in i.bind.values() for i in draft.instances)
     if not (at.switched or followed):
         return
@@ -161,4 +168,4 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
     if at.switched:
         draft.levels.append(Level(at.label, rate, start, f"{at.name}.single_share"))
     if followed:
-        draft.phases.append(Phase(at.label, rate, start))
+        draft.phases.append(Phase(at.label, rate, start, rolled))

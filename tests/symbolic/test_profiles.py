@@ -10,10 +10,10 @@ from ltcgear.symbolic.scene import load_scene, make_scene
 SHARE, WIDTH = 0.37, 0.2
 
 
-def curve(kind, numbers, tau, level=0.0):
+def curve(kind, numbers, tau, level=0.0, varying=1.0):
     """Values and slopes of a profile at phases, shapes (n,)."""
     symbol = ca.SX.sym("tau")
-    function = ca.Function("f", [symbol], list(evaluate(kind, symbol, level, [ca.SX(n) for n in numbers])))
+    function = ca.Function("f", [symbol], list(evaluate(kind, symbol, level, varying, [ca.SX(n) for n in numbers])))
     return np.array([[float(v) for v in function(t)] for t in tau]).T
 
 
@@ -53,6 +53,23 @@ def test_a_tooth_carries_its_error_alone_and_hands_it_on():
     cycles = (tau - 2) - 5 * np.floor((tau - 2) / 5 + 0.5)
     assert one[(cycles >= 0) & (cycles <= SHARE)] == pytest.approx(2.5)
     assert one[(cycles < SHARE - 1) | (cycles > 1)] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers"),
+    [
+        ("smooth", (3.0, 5.0, SHARE, WIDTH)),
+        ("series", (3.0, 0.5, 0.2)),
+        ("arcs", (SHARE, 3.0, 0.2, -1.0, 5.0, 0.1, 2.0)),
+    ],
+)
+def test_without_variation_a_profile_is_its_mean(kind, numbers):
+    tau = (np.arange(4000) + 0.5) / 4000
+    level = np.where(tau < SHARE, 0.0, 1.0)
+    values = np.concatenate([curve(kind, numbers, tau[level == here], here)[0] for here in (0.0, 1.0)])
+    still, slope = curve(kind, numbers, tau[:5], varying=0.0)
+    assert still == pytest.approx(np.full(5, values.mean()), rel=1e-4)
+    assert slope == pytest.approx(np.zeros(5))
 
 
 def test_the_two_level_series_is_the_fourier_integral():
