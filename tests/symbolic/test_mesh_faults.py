@@ -19,12 +19,14 @@ MESH = "stages.lsp.sun_planet"
         ([f"{MESH}.stiffness_table = [['0', '1e9 N/m'], ['1.3', '1e9 N/m']]"], f"{MESH}.stiffness_table", "between"),
         ([f"{MESH}.stiffness_table = [['0', '0 N/m'], ['0.8', '1e9 N/m']]"], f"{MESH}.stiffness_table", "zero"),
         (
-            [f"{MESH}.stiffness_table = [['0', '1e6 N/m'], ['0.5', '9e9 N/m'], ['0.51', '1e6 N/m']]"]
-            + [f"{MESH}.harmonics = 1"],
+            [
+                f"{MESH}.stiffness_table = [['0', '1e6 N/m'], ['0.5', '9e9 N/m'], ['0.51', '1e6 N/m']]",
+                f"{MESH}.harmonics = 1",
+            ],
             f"{MESH}.stiffness_table",
             "harmonics",
         ),
-        ([f"{MESH}.transmission_error.phases = ['1 deg']"], f"{MESH}.transmission_error", "amplitudes or a table"),
+        ([f"{MESH}.transmission_error = {{}}"], f"{MESH}.transmission_error", "amplitudes or a table"),
         (
             [f"{MESH}.transmission_error = {{amplitudes = ['1 um'], phases = ['1 deg', '2 deg']}}"],
             f"{MESH}.transmission_error.phases",
