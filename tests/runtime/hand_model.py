@@ -63,7 +63,7 @@ class HandModel:
         for name, stage in scene.stages.items():
             self._stage(name, stage)
         self.leader = self._leaders()
-        self.held = {self.leader[n] for n, m in self.members.items() if n in self.driven or self._fixed(m)}
+        self.held = {self.leader[n] for n, m in self.members.items() if n in self.driven or self.fixed(m)}
 
     def _stage(self, name, stage):
         d = centre_distance(stage)
@@ -105,7 +105,7 @@ class HandModel:
         return {name: min(group[name], key=order.index) for name in order}
 
     @staticmethod
-    def _fixed(member):
+    def fixed(member):
         return getattr(member, "support", "") == "fixed"
 
     @staticmethod
@@ -187,62 +187,6 @@ class HandModel:
         w, wd = self.frame_ratio(name) * w0, self.frame_ratio(name) * a0
         ax, ay = rotation(self.frame_ratio(name) * phi) @ (a + 2 * w * turned(v) + wd * turned(r) - w**2 * r)
         return {(name, "x"): ax, (name, "y"): ay}
-
-    # --- Newton and Euler
-
-    def newton(self, motions, forces):
-        """Accelerations (body, axis), and the torques that hold angles.
-
-        Every body has its own mass, inertia and forces; what carries others along takes over their inertia
-        forces and loads by virtual power, sum over bodies of (F - m A) V* + (T - I w') w* = 0.
-        """
-        free = [(n, axis) for n in self.members if self.lateral(n) for axis in "xy"]
-        turning = [(n, "u") for n in self.members if self.leader[n] == n]
-        row = {key: i for i, key in enumerate(free + turning)}
-        M, Q = np.zeros((len(row), len(row))), np.zeros(len(row), L)
-        for name, member in self.members.items():
-            mass, inertia = on_disc(member)
-            force = forces.get(name, np.zeros(3, L))
-            u = row[self.leader[name], "u"]
-            M[u, u] += inertia or 0.0
-            Q[u] += force[2]
-            J, bound = self._velocities(name, motions, row)
-            if J is not None:
-                M += mass * (J.T @ J).astype(float)
-                Q += J.T @ (force[:2] - mass * bound)
-        moving = [i for (name, axis), i in row.items() if axis != "u" or name not in self.held]
-        result = np.zeros(len(row), L)
-        result[moving] = np.linalg.solve(M[np.ix_(moving, moving)], Q[moving].astype(float))
-        holding = M @ result - Q
-        return (
-            {key: result[i] for key, i in row.items() if i in moving},
-            {name: holding[i] for (name, axis), i in row.items() if axis == "u" and name in self.held},
-        )
-
-    def _velocities(self, name, motions, row):
-        """dV/d(rates) of a centre that moves, shape (2, rows), and its acceleration at constant rates."""
-        J, bound = np.zeros((2, len(row)), L), np.zeros(2, L)
-        mover = self.frame[name] if self.seated(name) else name
-        if self.lateral(mover):
-            J[0, row[mover, "x"]] = J[1, row[mover, "y"]] = 1.0
-        elif not self.seated(name):
-            return None, bound
-        if self.seated(name):
-            arm = motions[name].O - motions[mover].O
-            J[:, row[self.leader[mover], "u"]] += turned(arm)
-            bound = -(motions[mover].w ** 2) * arm
-        return J, bound
-
-    def kinetic(self, motions):
-        """Kinetic energy [J]."""
-        total = 0.0
-        for name, member in self.members.items():
-            mass, inertia = on_disc(member)
-            if self.lateral(name) or self.seated(name):
-                total += mass * (motions[name].V @ motions[name].V) / 2
-            if not self._fixed(member):
-                total += inertia * motions[name].w ** 2 / 2
-        return total
 
     # --- forces
 

@@ -1,5 +1,7 @@
 """Settings that switch effects of the rig on, with the numbers they need."""
 
+from .models import TORQUE_DRIVEN
+
 MESHES = ("lsp.sun_planet", "lsp.ring_planet", "hsp.sun_planet", "hsp.ring_planet", "psh.mesh")
 FRICTION = (
     'effects.mesh_friction = "pitch-point"',
@@ -108,3 +110,56 @@ CARRIER_BEARING = (
     'stages.hsp.carrier.bearing.stiffness = "1e9 N/m"',
     "stages.hsp.carrier.bearing.damping_ratio = 0.1",
 )
+VARIANTS = {
+    "rig": (),
+    "paper law": (PAPER,),
+    "mesh friction": FRICTION,
+    "bearing friction": BEARING_FRICTION,
+    "gravity": (GRAVITY,),
+    "opposite flank": OPPOSITE,
+    "torque-driven": TORQUE_DRIVEN,
+    "mean stiffness, undamped": (
+        'effects.mesh_stiffness = "mean"',
+        'effects.damping = "off"',
+        'effects.mesh_damping = "off"',
+    ),
+    "all at once": (PAPER, GRAVITY, *FRICTION, *BEARING_FRICTION, *OPPOSITE, *TORQUE_DRIVEN, *ODD),
+    "smooth": SMOOTH,
+    "fourier": FOURIER,
+    "table": TABLE,
+    "smooth with torque": (*SMOOTH, TORQUE),
+    "fourier with torque": (*FOURIER, TORQUE),
+    "table with torque": (*TABLE, TORQUE),
+    "transmission error": TRANSMISSION_ERROR,
+    "table of transmission error": ERROR_TABLE,
+    "tooth errors": TOOTH_ERRORS,
+    "one flank": (ONE_FLANK,),
+    "backlash": BACKLASH,
+    "backlash with errors": (*BACKLASH, *TRANSMISSION_ERROR, *TOOTH_ERRORS),
+    "eccentricity": ECCENTRICITY,
+    "eccentricity, smooth with torque": (*ECCENTRICITY, *SMOOTH, TORQUE),
+    "position errors": POSITION_ERRORS,
+    "rigid pins": (RIGID_PINS, *DAMPERS),
+    "rigid pins out of place": (RIGID_PINS, *POSITION_ERRORS, *DAMPERS),
+    "rigid pins out of place, held carrier, gravity": (
+        *(RIGID_PINS, *POSITION_ERRORS, *DAMPERS, GRAVITY),
+        'stages.hsp.carrier.support = "rigid"',
+    ),
+    "rigid shafts": (RIGID_SHAFTS, *DAMPERS),
+    "torsional": (TORSIONAL, *DAMPERS),
+    "torsional, pins out of place": (TORSIONAL, *POSITION_ERRORS, *OPPOSITE, *DAMPERS),
+    "floating carrier, all of it": (
+        *(*SMOOTH, TORQUE, *TRANSMISSION_ERROR, *TOOTH_ERRORS, *ECCENTRICITY, *BACKLASH, GRAVITY),
+        *(RIGID_PINS, *POSITION_ERRORS, RIGID_SHAFTS, *DAMPERS),
+    ),
+    "torsional, all of it": (
+        *(TORSIONAL, *SMOOTH, TORQUE, *TRANSMISSION_ERROR, *TOOTH_ERRORS, *BACKLASH, *ECCENTRICITY),
+        *(*OPPOSITE, RIGID_SHAFTS, *ODD, *DAMPERS),
+    ),
+    "torque-driven on rigid pins": (
+        *(*TORQUE_DRIVEN, RIGID_PINS, *POSITION_ERRORS, GRAVITY, *FOURIER, TORQUE, *ECCENTRICITY, *ODD),
+        *(*OPPOSITE, ONE_FLANK, *TOOTH_ERRORS, *DAMPERS),
+    ),
+    "torque-driven on rigid shafts": (*TORQUE_DRIVEN, RIGID_SHAFTS, RIGID_PINS, *FRICTION, *DAMPERS),
+}
+"""The rig under settings: each effect alone, and mixed."""
