@@ -14,6 +14,7 @@ from pydantic import BaseModel, ValidationError
 
 from . import schema
 from .schema import Scene
+from .series import FOLDER
 from .validate import validate, validate_parts
 
 Raw = dict[str, Any]
@@ -67,11 +68,24 @@ def load_scene(source: str | Path, changes: Mapping[str, str] | None = None) -> 
         raise SceneError(f"{label}: not valid TOML: {_clean(str(error))}") from error
     for key, value in (changes or {}).items():
         _put(raw, key, value, label)
-    return make_scene(raw, name=Path(str(source)).stem, label=label)
+    folder = Path(str(SHIPPED)) if str(source) in shipped_scenes() else Path(source).parent
+    return make_scene(raw, name=Path(str(source)).stem, label=label, folder=folder)
 
 
-def make_scene(raw: Raw, name: str = "scene", label: str = "scene") -> Scene:
-    """Check a raw scene (what TOML gives) and freeze it; ``label`` heads the messages."""
+def make_scene(raw: Raw, name: str = "scene", label: str = "scene", folder: Path | None = None) -> Scene:
+    """Check a raw scene (what TOML gives) and freeze it.
+
+    Parameters
+    ----------
+    raw
+        The tables.
+    name
+        The scene's name.
+    label
+        What heads the messages.
+    folder
+        Where the files it names are looked up; the current folder where left out.
+    """
     sources: dict[str, str] = {}
     faults: list[str] = []
     try:
@@ -82,7 +96,7 @@ def make_scene(raw: Raw, name: str = "scene", label: str = "scene") -> Scene:
         if key in plain:
             faults.append(f"{key}: is set by ltcgear; remove it")
             del plain[key]
-    return _freeze(plain, name, sources, label, faults)
+    return _freeze(plain, name, sources, label, faults, folder)
 
 
 def restore_scene(text: str) -> Scene:
@@ -102,15 +116,18 @@ def restore_scene(text: str) -> Scene:
     return _freeze(kept, name, sources, label, [])
 
 
-def _freeze(plain: Raw, name: str, sources: dict[str, str], label: str, faults: list[str]) -> Scene:
+def _freeze(
+    plain: Raw, name: str, sources: dict[str, str], label: str, faults: list[str], folder: Path | None = None
+) -> Scene:
     """Make the Scene of plain values, or tell all that is wrong, ``faults`` included."""
+    context = {FOLDER: folder or Path()}
     try:
-        scene = Scene.model_validate({**plain, "name": name, "sources": sources})
+        scene = Scene.model_validate({**plain, "name": name, "sources": sources}, context=context)
     except ValidationError as error:
         told = {fault.split(":")[0] for fault in faults if ": value is missing;" in fault}
         found = [line for item in error.errors() for line in _explain(item)]
         faults += [line for line in found if line.split(":")[0] + ".source" not in told]
-        faults += validate_parts(plain)
+        faults += validate_parts(plain, context)
     else:
         faults += validate(scene)
     if faults:

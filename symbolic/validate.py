@@ -29,8 +29,11 @@ def validate(scene: Scene) -> list[str]:
     return faults or [*_loads(scene)] or train.motion(scene)[1]
 
 
-def validate_parts(plain: Mapping[str, Any]) -> list[str]:
-    """Return the defects that can be seen in a scene though some of its tables are not well-formed."""
+def validate_parts(plain: Mapping[str, Any], context: Mapping[str, Any]) -> list[str]:
+    """Return the defects that can be seen in a scene though some of its tables are not well-formed.
+
+    ``context`` is pydantic's, with the folder of the scene file.
+    """
     faults: list[str] = []
     if not all(isinstance(plain.get(key, {}), dict) for key in ("stages", "rotors")):
         return faults
@@ -38,7 +41,7 @@ def validate_parts(plain: Mapping[str, Any]) -> list[str]:
     stages = _table(plain, "stages")
     for name, raw in stages.items():
         try:
-            stage = ONE_STAGE.validate_python(raw)
+            stage = ONE_STAGE.validate_python(raw, context=dict(context))
         except ValidationError:
             kind = raw.get("kind") if isinstance(raw, dict) else None
             parts = PARTS.get(kind) if isinstance(kind, str) else None
