@@ -314,6 +314,7 @@ def run(
             oversample=oversample,
             attributes=about | {"scene_json": opened.scene.model_dump_json()},
             told=told,
+            tables=opened.model.tables,
         )
     seconds = opened.seconds | result.summary["seconds"]
     if output is not None:
@@ -332,7 +333,7 @@ def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) ->
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
-    found = find_modes(library, find_equilibrium(library, p), p)
+    found = find_modes(library, find_equilibrium(library, p, tables=opened.model.tables), p)
     listed = [
         {
             "frequency_hz": m.frequency_hz,

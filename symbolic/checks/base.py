@@ -47,6 +47,7 @@ TITLES = {
     "torsional_support": "torsional support",
     "drag": "rotor drag",
     "external_torque": "load torque",
+    "slip_torque": "slip law",
     "gravity": "weight",
 }
 

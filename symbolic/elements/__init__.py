@@ -8,7 +8,7 @@ from .bearing import ground_bearing, pin, pin_friction
 from .gravity import gravity
 from .mesh import mesh
 from .mesh_friction import mesh_friction
-from .torsion import coupling, drag, external_torque, torsional_support
+from .torsion import coupling, drag, external_torque, slip_torque, torsional_support
 
 TYPES: dict[str, Callable[..., Element]] = {
     "mesh": mesh,
@@ -20,6 +20,7 @@ TYPES: dict[str, Callable[..., Element]] = {
     "torsional_support": torsional_support,
     "drag": drag,
     "external_torque": external_torque,
+    "slip_torque": slip_torque,
     "gravity": gravity,
 }
 

@@ -78,6 +78,8 @@ class Element:
         Equation number or citation.
     gradient
         False where the wrench is not the gradient of the potential by design (the paper's mesh law).
+    load
+        True where it acts from outside: its power is given to the train, its energies are no energy of the train.
     """
 
     name: str
@@ -90,6 +92,7 @@ class Element:
     outputs: Mapping[str, Output] = field(default_factory=dict)
     rates: str = "frame"
     gradient: bool = True
+    load: bool = False
 
     @property
     def coordinates(self) -> tuple[sp.Symbol, ...]:
