@@ -4,7 +4,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: rig test lint regenerate clean
+.PHONY: rig test lint regenerate docs clean
 
 rig: .venv/rig
 	$(BIN)/ltcgear generate rig-2mw
@@ -22,6 +22,10 @@ lint: .venv/test
 # Rewrite the committed C after a change of the equations; the tests compare it byte for byte.
 regenerate: .venv/rig
 	$(BIN)/python -m tests.regenerate
+
+# Rewrite the pages that follow from the code; the tests compare them byte for byte too.
+docs: .venv/rig
+	$(BIN)/python -m tests.regenerate --docs
 
 .venv/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "ltcgear needs Python 3.11 or newer; run make PYTHON=python3.x")'

@@ -1,7 +1,7 @@
 """The command line, the one place that knows all three parts: scene -> model -> C -> results."""
 
 import sys
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, cast
@@ -12,12 +12,33 @@ from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError, SolverError
 
 from . import present
+from .options import (
+    SHORTEST_PAPER,
+    AsJson,
+    CFolder,
+    Changes,
+    CostEnd,
+    EndTime,
+    FigureFile,
+    Fresh,
+    MaybeScene,
+    Method,
+    Oversample,
+    PaperEnd,
+    Printed,
+    ResultFile,
+    ResultFolder,
+    SceneName,
+    Sources,
+    Tolerance,
+)
 from .progress import progress
 
 if TYPE_CHECKING:
     from ltcgear.symbolic.model import Model
     from ltcgear.symbolic.schema import Scene
 
+    from .cost import Variant
     from .library import Library
 
 # Plain help: rich would take "[s]" for markup and drop it.
@@ -25,38 +46,6 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 #: What typer raises for a command line that it cannot read; BadParameter alone of the family is public.
 UsageError = cast(type[typer.BadParameter], typer.BadParameter.__base__)
 INTERRUPTED = 130
-SHORTEST_PAPER = 0.2  # [s]: half of it must hold some turns of the slowest mesh for tables and spectra
-
-SceneName = Annotated[
-    str, typer.Argument(metavar="SCENE", help="A shipped scene (see `ltcgear scenes`) or a TOML file.")
-]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on stdout.")]
-Changes = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of the scene, e.g. effects.mesh_law=paper."),
-]
-
-
-MaybeScene = Annotated[str | None, typer.Argument(metavar="[SCENE]", help="The scene whose equations are checked.")]
-Sources = Annotated[bool, typer.Option("--sources", help="Say where each number comes from.")]
-Printed = Annotated[bool, typer.Option("--paper", help="Compare the paper's printed equations with the derivation.")]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Derive again even if the store has it.")]
-CFolder = Annotated[
-    Path | None, typer.Option("-o", "--output", help="Folder for C and manifest.", show_default="the store's")
-]
-ResultFile = Annotated[
-    Path | None, typer.Option("-o", "--output", help="NetCDF4 file to write, .nc.", show_default="none")
-]
-ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for result and figures.")]
-EndTime = Annotated[
-    float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")
-]
-PaperEnd = Annotated[float, typer.Option("--t-end", help=f"Time to simulate [s], {SHORTEST_PAPER} at least.")]
-Method = Annotated[str, typer.Option("--method", help="erk, cvodes, idas or rosenbrock.")]
-Oversample = Annotated[
-    int, typer.Option("--oversample", min=1, max=64, help="Samples per sample kept; filters accelerations.")
-]
-Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it refers to vibrations.")]
 
 
 class InterruptedRunError(LtcgearError):
@@ -92,7 +81,7 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False)
     """
     from ltcgear.symbolic.advice import warnings
     from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.pipeline import content_key, generate
+    from ltcgear.symbolic.pipeline import content_key, obtain
     from ltcgear.symbolic.report import load_warnings
     from ltcgear.symbolic.scene import load_scene
 
@@ -102,12 +91,8 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False)
     seconds = {"load": perf_counter() - clock}
     for line in [*warnings(scene, model), *load_warnings(scene)]:
         print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
-    key = content_key(model)
-    artifact = None if fresh else store.get(key)
-    if artifact is None:
-        artifact = generate(model, lambda stage, taken: seconds.update({stage: taken}))
-        store.put(key, artifact)
-    return Opened(scene, model, artifact, key, seconds)
+    artifact = obtain(model, lambda stage, taken: seconds.update({stage: taken}), fresh)
+    return Opened(scene, model, artifact, content_key(model), seconds)
 
 
 def compile_model(opened: Opened) -> "Library":
@@ -152,40 +137,18 @@ def scenes(as_json: AsJson = False) -> None:
 @app.command()
 def effects(as_json: AsJson = False) -> None:
     """List the effects a scene can call for."""
-    from ltcgear.symbolic.effects import EFFECTS
+    from ltcgear.symbolic.effect_page import list_effects
 
-    listed = [
-        {"name": e.name, "values": e.values, "default": e.default, "help": e.help, "source": e.source} for e in EFFECTS
-    ]
-    present.show(as_json, {"effects": listed}, present.effects)
+    present.show(as_json, {"effects": list_effects()}, present.effects)
 
 
 @app.command()
 def info(scene: SceneName, sources: Sources = False, changes: Changes = None, as_json: AsJson = False) -> None:
     """Describe a scene: freedoms, geometry, motion, forces, loads."""
-    from ltcgear.symbolic.report import describe
+    from ltcgear.symbolic.overview import survey
 
     opened = open_scene(scene, changes)
-    manifest = opened.artifact.manifest
-    rigid = [s for s in manifest.states if not s.name.endswith(".rate") and not s.name.startswith("reference.")]
-    data: dict[str, Any] = {
-        "scene": opened.scene.name,
-        "title": opened.scene.title,
-        "dof": len(rigid) + any(s.name == "reference.speed" for s in manifest.states),
-        "states": len(manifest.states),
-        "parameters": len(manifest.parameters),
-        "effects": opened.model.effects,
-        "ops": {name: manifest.functions[n].operations for name, n in (("rhs", "rhs"), ("jacobian", "jac_rhs"))},
-        "jacobian_nnz": manifest.functions["jac_rhs"].nonzeros,
-        "levels": len(manifest.levels),
-        "static_mesh_forces_n": {name: abs(force) for name, force in opened.model.statics.items()},
-        "speed_ratios": {
-            p.name.removesuffix(".speed_ratio"): p.value
-            for p in opened.model.parameters
-            if p.name.endswith(".speed_ratio")
-        },
-        **describe(opened.scene),
-    }
+    data = survey(opened.scene, opened.model, opened.artifact.manifest)
     if sources:
         data["sources"] = dict(opened.scene.sources)
     present.show(as_json, data, present.info)
@@ -199,8 +162,6 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
     if not paper and scene is None:
         raise LtcgearError("check: give a SCENE, or --paper")
     if paper:
-        from dataclasses import asdict
-
         from ltcgear.symbolic.checks.paper import check_paper
 
         present.show(as_json, {"equations": [asdict(verdict) for verdict in check_paper()]}, present.paper_verdicts)
@@ -210,16 +171,7 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
     from ltcgear.symbolic.scene import load_scene
 
     results = check_model(build_model(load_scene(scene or "", _changes(changes))))
-    listed = [
-        {
-            "name": c.name,
-            "passed": bool(c.passed),
-            "value": float(c.value),
-            "tolerance": float(c.tolerance),
-            "note": c.note,
-        }
-        for c in results
-    ]
+    listed = [asdict(result) for result in results]
     passed = all(item["passed"] for item in listed)
     present.show(as_json, {"passed": passed, "checks": listed}, present.checks)
     if not passed:
@@ -344,6 +296,59 @@ def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) ->
         for m in found
     ]
     present.show(as_json, {"scene": opened.scene.name, "modes": listed}, present.modes)
+
+
+@app.command()
+def cost(
+    scene: SceneName,
+    output: FigureFile = None,
+    t_end: CostEnd = 0.25,
+    rtol: Tolerance = 1e-6,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
+    from .cost import ROUNDS, measure_costs
+    from .cost_figure import check_figure, draw_costs
+    from .simulation import DEFAULT_METHOD, check_options
+
+    check_options(DEFAULT_METHOD, rtol, t_end)
+    if output is not None:
+        check_figure(output)
+    opened = open_scene(scene, changes)
+    variants = _variants(scene, _changes(changes), opened)
+    rate = opened.scene.simulation.rate
+    with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
+        rows = measure_costs(variants, t_end=t_end, rate=rate, rtol=rtol, told=told)
+    data = {"scene": opened.scene.name, "t_end": t_end, "rtol": rtol, "variants": rows}
+    present.show(as_json, data, present.costs)
+    if output is not None:
+        draw_costs(data, output)
+
+
+def _variants(name: str, changes: dict[str, str], opened: Opened) -> "list[Variant]":
+    """Build a scene and what it is with each of its effects left out; what is not possible keeps its reason."""
+    from ltcgear.symbolic.build import build_model
+    from ltcgear.symbolic.pipeline import obtain
+    from ltcgear.symbolic.scene import load_scene
+    from ltcgear.symbolic.variants import list_changes
+
+    from .cost import Variant
+    from .library import build
+
+    found = list_changes(opened.scene, opened.model)
+    variants = [Variant("all", "", "", compile_model(opened), opened.model.values(), tables=opened.model.tables)]
+    with progress(f"build {opened.scene.name}", len(found), "variants") as told:
+        for k, item in enumerate(found, start=1):
+            key = (item.effect, item.value, item.without)
+            try:
+                model = build_model(load_scene(name, changes | {f"effects.{item.effect}": item.without}))
+                made = Variant(*key, build(obtain(model)), model.values(), tables=model.tables)
+            except LtcgearError as error:
+                made = Variant(*key, None, {}, str(error))
+            variants.append(made)
+            told(k)
+    return variants
 
 
 @app.command()

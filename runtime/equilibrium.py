@@ -7,6 +7,7 @@ import numpy as np
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
+from .continuation import follow
 from .kernel import Kernel
 from .library import Library
 from .signals import Pairs, Signals
@@ -19,6 +20,8 @@ PULL = "contact.pull"
 """The parameter by which one-sided teeth may pull; 0 in every run."""
 PULLS = (1.0, 1e-3, 1e-6)
 """Shares of their stiffness with which teeth pull on the way to the equilibrium."""
+CLOSING = "bearing.closing"
+"""The part of bearings' clearance that is taken away; 0 in every run."""
 
 
 @dataclass(frozen=True)
@@ -106,12 +109,20 @@ def find_equilibrium(
     x = start_state(library, p)
     levels = mean_levels(library, x, p) if levels is None else levels
     signals = Signals(library.manifest.signals, tables or {}).before(0.0)
-    names = [name for name, _ in library.manifest.parameters]
+    names = np.array([name for name, _ in library.manifest.parameters])
+
+    def search(x: Vector, pull: float, closing: float = 0.0) -> Vector:
+        chosen = np.where(names == CLOSING, closing, pulling(library, p, pull))
+        return _newton(library, chosen, x, levels, signals).x
+
+    if CLOSING in names:
+        # A bearing within its clearance holds nothing: open the clearance under load.
+        x = follow(lambda part, x: search(x, 1.0, part), x)
     if PULL in names:
-        # Teeth that just touch hold nothing: let them pull until the load has pressed them together, on the other
-        # flank too, which lies behind its gap.
+        # Nor do teeth that just touch: let them pull until the load has pressed them together, on the other flank
+        # too, which lies behind its gap.
         for share in PULLS:
-            x = _newton(library, pulling(library, p, share), x, levels, signals).x
+            x = search(x, share)
     return _newton(library, p, x, levels, signals)
 
 

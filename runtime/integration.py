@@ -84,7 +84,8 @@ def vibration_scale(library: Library, at: Equilibrium, p: Vector) -> Vector:
     matrix = state_matrix(library, at.x, at.s, pulling(library, p))
     diagonal = -np.diag(matrix[np.ix_(rate, position)]) * mass
     speed = np.sqrt(2 * energy / mass)
-    floor = float(np.max(diagonal / mass)) * 1e-8 * mass
+    stiffest = float(np.max(diagonal / mass))
+    floor = (1e-8 * stiffest if stiffest > 0 else 1.0) * mass  # where nothing holds anything, 1 rad/s sets the size
     scale = np.ones(len(at.x))
     scale[position] = np.sqrt(2 * energy / np.maximum(diagonal, floor))
     scale[rate] = speed

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
@@ -67,8 +67,23 @@ def effects(data: Data) -> None:
     """Print the effects."""
     table = _table("Effects (the first value is the default)", "effect", "values", "what it does", "source")
     for item in data["effects"]:
-        table.add_row(item["name"], " | ".join(item["values"]), item["help"], item["source"])
+        does = "\n".join([item["help"], *_conditions(item)])
+        table.add_row(item["name"], _values(item), escape(does), item["source"])
     _console().print(table)
+
+
+def _values(item: Data) -> str:
+    """Write the values of an effect, the default first."""
+    return " | ".join([item["default"], *(value for value in item["values"] if value != item["default"])])
+
+
+def _conditions(item: Data) -> Iterator[str]:
+    """Write what the values of an effect need and exclude."""
+    for value, need in item["needs"].items():
+        yield f"{value}: needs {need}"
+    for value, exclusions in item["excludes"].items():
+        for other in exclusions:
+            yield f"{value}: not beside {other['effect']} = {' or '.join(other['values'])}, since {other['reason']}"
 
 
 def info(data: Data) -> None:
@@ -82,12 +97,28 @@ def info(data: Data) -> None:
     table.add_row("Jacobian non-zeros", str(data["jacobian_nnz"]))
     table.add_row("effects", ", ".join(f"{k} {v}" for k, v in data["effects"].items()))
     console = _console()
-    parts = [table, *(made(data) for made in (_stages, _meshes, _members, _loads, _laws))]
+    parts = [table, *(made(data) for made in (_acting, _freedoms, _stages, _meshes, _members, _loads, _laws))]
     for part in parts:
         if part.row_count:
             console.print(part, "")
     if "sources" in data:
         _sources(console, data["sources"])
+
+
+def _acting(data: Data) -> Table:
+    """List the effects that are on and what each does here."""
+    table = _table("Effects that act", "effect", "value", "what the model has by it")
+    for item in data["acting"]:
+        table.add_row(item["effect"], item["value"], item["here"])
+    return table
+
+
+def _freedoms(data: Data) -> Table:
+    """List the coordinates and why each is there."""
+    table = _table("Freedoms", "body", "axes", "why")
+    for row in data["freedoms"]:
+        table.add_row(row["body"], ", ".join(row["axes"]), row["reason"])
+    return table
 
 
 def _number(value: float | None, form: str) -> str:
@@ -242,6 +273,32 @@ def simulated(data: Data) -> None:
         f"energy balance open by {abs(data['energy_residual']):.1e} of the strain energy\n"
         f"seconds: {_seconds(data['seconds'])}"
     )
+
+
+def costs(data: Data) -> None:
+    """Print what the variants of a scene cost, and how far their mesh forces are from the full one's."""
+    title = "Cost (operations of right-hand side and Jacobian; ns a right-hand side; s a simulated s)"
+    cost = _table(title, "left out", ">states", ">rhs", ">Jac.", ">ns", ">s/s", ">steps", ">jumps")
+    change = _table("Change of mesh forces, worst stage", "left out", ">rms", ">peak", ">share", ">spectrum")
+    for table in (cost, change):
+        table.columns[0].no_wrap = True
+    for item in data["variants"]:
+        name = f"{item['effect']}\n  {item['value']} > {item['without']}" if item["without"] else "nothing"
+        numbers = [item["states"], item["ops"]["rhs"], item["ops"]["jacobian"]]
+        times = [_number(item["ns_call"], ".0f"), _number(item["seconds_per_simulated_second"], ".3f")]
+        counts = [item["counts"].get(key) for key in ("steps", "events")]
+        cost.add_row(name, *(_number(n, "d") for n in numbers), *times, *(_number(n, "d") for n in counts))
+        change.add_row(name, *(_change(value) for value in item["changes"].values()))
+    console = _console()
+    console.print(cost, "", change)
+    for item in data["variants"]:
+        if item["reason"]:
+            console.print(f"[yellow]{item['effect']} = {item['without']}[/] did not run: {escape(item['reason'])}")
+
+
+def _change(value: float | None) -> str:
+    """Write a relative change; rounding has no sign."""
+    return "-" if value is None else f"{value:+.2%}" if abs(value) >= 5e-5 else "0"
 
 
 def modes(data: Data) -> None:

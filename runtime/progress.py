@@ -7,7 +7,7 @@ from time import perf_counter
 
 
 @contextmanager
-def progress(title: str, end: float) -> Iterator[Callable[[float], None]]:
+def progress(title: str, end: float, unit: str = "s") -> Iterator[Callable[[float], None]]:
     """Show the progress of a simulation on stderr.
 
     Parameters
@@ -15,7 +15,9 @@ def progress(title: str, end: float) -> Iterator[Callable[[float], None]]:
     title
         What is running.
     end
-        Time to be simulated [s].
+        Time to be simulated [s], or how many of another ``unit`` there are.
+    unit
+        What is counted.
 
     Yields
     ------
@@ -28,10 +30,13 @@ def progress(title: str, end: float) -> Iterator[Callable[[float], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
+    timed = unit == "s"
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
-        TextColumn("{task.completed:.3f}/{task.total:.3f} s"),
+        TextColumn(
+            "{task.completed:.3f}/{task.total:.3f} s" if timed else "{task.completed:.0f}/{task.total:.0f} " + unit
+        ),
         TextColumn("{task.fields[speed]}"),
         TimeRemainingColumn(),
     )
@@ -40,6 +45,7 @@ def progress(title: str, end: float) -> Iterator[Callable[[float], None]]:
         task = bar.add_task(title, total=end, speed="")
 
         def told(now: float) -> None:
-            bar.update(task, completed=now, speed=f"{now / max(perf_counter() - start, 1e-9):.2f} s simulated a second")
+            speed = f"{now / max(perf_counter() - start, 1e-9):.2f} s simulated a second" if timed else ""
+            bar.update(task, completed=now, speed=speed)
 
         yield told

@@ -7,6 +7,7 @@ from .effects import EFFECTS
 from .model import Model
 from .schema import Scene
 from .validate import meshes
+from .variants import same_model, with_value
 
 
 def warnings(scene: Scene, model: Model | None = None) -> list[str]:
@@ -14,20 +15,14 @@ def warnings(scene: Scene, model: Model | None = None) -> list[str]:
     return [*_idle_effects(scene, model or build_model(scene)), *_wedged(scene)]
 
 
-def without(scene: Scene, effect: str, value: str) -> Scene:
-    """Return the scene with another value of one effect."""
-    return scene.model_copy(update={"effects": scene.effects | {effect: value}})
-
-
 def _idle_effects(scene: Scene, model: Model) -> Iterator[str]:
     """List the effects whose model is the same when they are left out."""
-    here = model.structure(), model.values()
     for effect in EFFECTS:
         value = scene.effects[effect.name]
         if value not in effect.needs:
             continue
-        other = build_model(without(scene, effect.name, effect.default if value == effect.without else effect.without))
-        if (other.structure(), other.values()) == here:
+        other = effect.default if value == effect.without else effect.without
+        if same_model(build_model(with_value(scene, effect.name, other)), model):
             yield f"effects.{effect.name} = {value!r} cannot act: it needs {effect.needs[value]}"
 
 

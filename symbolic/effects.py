@@ -92,12 +92,35 @@ EFFECTS: tuple[Effect, ...] = (
     ),
     Effect(
         "mesh_stiffness",
-        ("two-level", "mean"),
+        ("two-level", "mean", "smooth", "fourier", "table", "computed"),
         "two-level",
         "mean",
-        "Mesh stiffness: single and double contact by mesh phase, or their mean over a tooth pitch.",
-        "Wu et al. 2021 eqs 9-11",
-        needs={"two-level": "a mesh with double_factor or face_width"},
+        "Mesh stiffness over the mesh phase: single and double contact with jumps between, their mean, the same "
+        "with smooth transitions, a few harmonics of it or of a table, or the curve computed from the teeth.",
+        "Wu et al. 2021 eqs 9-11; computed: potential-energy method, Yang and Lin 1987, J. Mech. Des. 109:189",
+        needs={
+            "two-level": "a mesh with double_factor or face_width",
+            "smooth": "a mesh with double_factor or face_width",
+            "fourier": "a mesh with double_factor or face_width",
+            "table": "a mesh with a stiffness_table",
+            "computed": "a mesh with face_width and no double_factor",
+        },
+    ),
+    Effect(
+        "stiffness_torque",
+        ("off", "on"),
+        "off",
+        "off",
+        "Mesh stiffness by the gear's own angle, so that the work of its change is a torque on the gear; off, it "
+        "varies with the nominal motion, from which it takes that work.",
+        "Oh, Grosh and Barber 2005, J. Vib. Acoust. 127:208",
+        needs={"on": "a mesh whose stiffness varies smoothly: smooth, fourier or table, with what these need"},
+        excludes={
+            "on": (
+                Exclusion("mesh_stiffness", ("two-level", "computed"), "the torque of a jump would be an impulse"),
+                Exclusion("mesh_law", ("paper",), "the paper's force is no gradient of an energy"),
+            )
+        },
     ),
     Effect(
         "contact",
@@ -118,20 +141,27 @@ EFFECTS: tuple[Effect, ...] = (
     ),
     Effect(
         "mesh_friction",
-        ("off", "pitch-point"),
+        ("off", "pitch-point", "sliding"),
         "off",
         "off",
-        "Tangential mesh force: the paper's Coulomb and viscous force, made dissipative.",
-        "Wu et al. 2021 eqs 14, 27",
-        needs={"pitch-point": "a mesh with a friction table; give one its coefficient"},
+        "Tangential mesh force: the paper's at the pitch point, made dissipative, or Coulomb's at the tooth contacts.",
+        "Wu et al. 2021 eqs 14, 27; load sharing of the contacts: ISO/TR 15144-1",
+        needs=dict.fromkeys(("pitch-point", "sliding"), "a mesh with a friction table; give one its coefficient"),
     ),
     Effect(
         "damping",
-        ("on", "off"),
+        ("on", "off", "rayleigh"),
         "on",
         "off",
-        "Viscous dampers of bearings, torsional couplings and supports.",
-        "assumed form",
+        "Viscous dampers of bearings, couplings and supports: their own, or Rayleigh's, alpha M + beta K.",
+        "assumed form; Rayleigh 1877, The Theory of Sound, section 102",
+        needs={"rayleigh": "a rayleigh table; give it mass or stiffness"},
+        excludes={
+            "rayleigh": (
+                Exclusion("contact", ("one-flank", "backlash"), "teeth that part have no constant damper"),
+                Exclusion("bearing_clearance", ("on",), "a bearing with clearance has no constant damper"),
+            )
+        },
     ),
     Effect(
         "bearing_friction",
@@ -143,6 +173,15 @@ EFFECTS: tuple[Effect, ...] = (
         needs={"on": "a pin with friction or friction_damping; give one"},
     ),
     Effect(
+        "bearing_clearance",
+        ("off", "on"),
+        "off",
+        "off",
+        "Radial clearance of bearings and planet bearings: no force before it is used up.",
+        "Kahraman and Singh 1991, J. Sound Vib. 144:469",
+        needs={"on": "a bearing or pin with clearance; give one"},
+    ),
+    Effect(
         "planet_position_error",
         ("off", "on"),
         "off",
@@ -150,6 +189,33 @@ EFFECTS: tuple[Effect, ...] = (
         "Pins that are not at their nominal place, by position_errors of a planetary stage.",
         "geometry; load sharing under it: Kahraman 1994, Mech. Mach. Theory 29:1151",
         needs={"on": "position_errors of a planetary stage; give one"},
+    ),
+    Effect(
+        "eccentricity",
+        ("off", "on"),
+        "off",
+        "off",
+        "Teeth whose centre lies beside the axis of their gear and turns about it.",
+        "geometry; the tooth force acts at the teeth's centre and is handed on to the gear with its arm",
+        needs={"on": "a gear with an eccentricity, or eccentricities of planets; give one"},
+    ),
+    Effect(
+        "transmission_error",
+        ("off", "on"),
+        "off",
+        "off",
+        "Static transmission error by harmonics or a table, taken from the deflection along the line of action.",
+        "Kahraman and Singh 1990, J. Sound Vib. 142:49",
+        needs={"on": "a mesh with a transmission_error table; give one"},
+    ),
+    Effect(
+        "tooth_errors",
+        ("off", "on"),
+        "off",
+        "off",
+        "Spacing errors of single teeth: full while the tooth carries alone, handed over in double contact.",
+        "assumed form: load handed on smoothly over double contact",
+        needs={"on": "a mesh with tooth_errors; give one"},
     ),
     Effect(
         "gravity",

@@ -15,7 +15,8 @@ from ltcgear.generated.contract import Report, State
 from .elements import make
 from .joints import Joints, rotate
 from .lower import body_function, element_function
-from .model import BACK, BASIS, LEVEL, TURN, Body, Instance, Model
+from .model import BACK, BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model
+from .profiles import evaluate
 
 QUANTITIES = {
     ("mesh", "force"): ("mesh_force", "mesh"),
@@ -23,11 +24,17 @@ QUANTITIES = {
     ("mesh", "contact"): ("mesh_contact", "mesh"),
     ("mesh", "pressure_angle"): ("pressure_angle", "mesh"),
     ("mesh_friction", "friction"): ("mesh_friction", "mesh"),
+    ("mesh_sliding", "friction"): ("mesh_friction", "mesh"),
     ("pin", "force_x"): ("pin_force_x", "pin"),
     ("pin", "force_y"): ("pin_force_y", "pin"),
     ("pin_friction", "friction_torque"): ("pin_friction_torque", "pin"),
     ("ground_bearing", "force_x"): ("bearing_force_x", "bearing"),
     ("ground_bearing", "force_y"): ("bearing_force_y", "bearing"),
+    ("pin_clearance", "force_x"): ("pin_force_x", "pin"),
+    ("pin_clearance", "force_y"): ("pin_force_y", "pin"),
+    ("pin_clearance_friction", "friction_torque"): ("pin_friction_torque", "pin"),
+    ("ground_clearance", "force_x"): ("bearing_force_x", "bearing"),
+    ("ground_clearance", "force_y"): ("bearing_force_y", "bearing"),
     ("coupling", "torque"): ("coupling_torque", "coupling"),
     ("torsional_support", "torque"): ("support_torque", "support"),
     ("slip_torque", "torque"): ("load_torque", "load"),
@@ -193,36 +200,103 @@ class _Assembly:
         (x, y, u), (vx, vy, w) = self.motion(body)
         if rates == "frame" and self.basis == "frame":
             return [x, y, u], [vx, vy, w]
+        if rates == "deviation":
+            return self._turned(body, [x, y, u], [vx, vy, w])
         beta, turn = self.frame_turn(body)
         vx, vy, w = vx - turn * y, vy + turn * x, w + self._ratio(body) * self.speed
         if self.basis == "frame":
             return [x, y, u], [vx, vy, w]
         return [*rotate(beta, x, y), u + self._ratio(body) * self.phi], [*rotate(beta, vx, vy), w]
 
-    def call(self, instance: Instance) -> dict[str, Any]:
-        """Evaluate one element instance."""
+    def _turned(self, body: Body, at: list[Any], rates: list[Any]) -> tuple[list[Any], list[Any]]:
+        """Return position and rates in the frame, resolved in the basis chosen."""
+        if self.basis == "frame":
+            return at, rates
+        beta, _ = self.frame_turn(body)
+        return [*rotate(beta, *at[:2]), self._angle(body)], [*rotate(beta, *rates[:2]), rates[2]]
+
+    def call(self, instance: Instance, still: bool = False) -> dict[str, Any]:
+        """Evaluate one element instance, or what it would give if nothing moved (``still``)."""
         element = make(instance.element)
         ports = [self.port(self.bodies[name], element.rates) for name in instance.bodies]
         coordinates = [v for position, _ in ports for v in position]
         velocities = [v for _, rate in ports for v in rate]
-        bound = self._bound(instance)
         names = [symbol.name for symbol in element.arguments]
-        values = coordinates + velocities + [bound[symbol.name] for symbol in element.parameters]
-        result: dict[str, Any] = element_function(instance.element, self.derivation)(
-            **dict(zip(names, values, strict=True))
-        )
-        return result
+        function = element_function(instance.element, self.derivation)
+
+        def called(bound: dict[str, Any]) -> dict[str, Any]:
+            values = coordinates + velocities + [bound[symbol.name] for symbol in element.parameters]
+            result: dict[str, Any] = function(**dict(zip(names, values, strict=True)))
+            return result
+
+        bound = self._bound(instance)
+        if still:
+            velocities, bound = [ca.SX(0) for _ in velocities], bound | {"e_d": ca.SX(0)}
+        if SLOPE in instance.bind.values():
+            # The stiffness at gear 1's own rolling angle, which the element itself knows.
+            rolling = called(bound)["out_rolling"]
+            bound |= dict(zip(("k", "k_d"), self._followed(instance, rolling), strict=True))
+        return called(bound)
 
     def _bound(self, instance: Instance) -> dict[str, Any]:
         """Return the values of an element's parameters."""
         beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
-        special = {LEVEL: self.level.get(instance.name.removesuffix(BACK)), TURN: ca.SX(0), BASIS: beta}
+        special = {TURN: ca.SX(0), BASIS: beta} | self._special(instance)
         if self.basis == "inertial":
             special |= {TURN: beta, BASIS: ca.SX(0)}
         bound = {key: special[name] if name in special else self.number[name] for key, name in instance.bind.items()}
         if self.basis == "inertial" and "e_x" in bound:
             bound["e_x"], bound["e_y"] = rotate(beta, bound["e_x"], bound["e_y"])
         return bound
+
+    def _special(self, instance: Instance) -> dict[str, Any]:
+        """Return what a mesh's elements see of its phase; the other flank sees errors with the other sign."""
+        mesh, used = instance.name.removesuffix(BACK), set(instance.bind.values())
+        special: dict[str, Any] = {LEVEL: self.level.get(mesh)}
+        if PHASE in used:
+            special[PHASE] = self.mesh_phase_of(mesh)
+        if STIFFNESS in used:
+            special[STIFFNESS], special[SLOPE] = self.profile(mesh, "stiffness", self.mesh_phase_of(mesh))
+        if ERROR in used:
+            sign = -1 if instance.name.endswith(BACK) else 1
+            error, slope = self.profile(mesh, "error", self.mesh_phase_of(mesh))
+            opening, _ = self.profile(mesh, "opening", ca.SX(0))
+            special |= {ERROR: sign * error + opening, ERROR_RATE: sign * slope * self.mesh_rate_of(mesh)}
+        return special
+
+    def profile(self, mesh: str, quantity: str, tau: Any) -> tuple[Any, Any]:  # noqa: ANN401
+        """Return a quantity of a mesh at a phase tau and its slope per cycle: the sum of its profiles."""
+        value = slope = ca.SX(0)
+        for item in self.model.profiles:
+            if (item.mesh, item.quantity) == (mesh, quantity):
+                level = self.level.get(mesh, ca.SX(0))
+                one = evaluate(
+                    item.kind, tau, level, self.number[VARYING], [self.number[name] for name in item.numbers]
+                )
+                value, slope = value + one[0], slope + one[1]
+        return value, slope
+
+    def mesh_phase_of(self, mesh: str) -> Any:  # noqa: ANN401
+        """Return the phase tau [cycles] of a mesh with an element that follows it."""
+        phase = next((phase for phase in self.model.phases if phase.name == mesh), None)
+        if phase is None:
+            return ca.SX(0)
+        start = self.number[phase.start]
+        return start if phase.rate is None else self.number[phase.rate] * self.phi + start
+
+    def mesh_rate_of(self, mesh: str) -> Any:  # noqa: ANN401
+        """Return the rate [1/s] of a mesh's phase."""
+        rate = next((phase.rate for phase in self.model.phases if phase.name == mesh), None)
+        return ca.SX(0) if rate is None else self.number[rate] * self.speed
+
+    def _followed(self, instance: Instance, rolling: Any) -> tuple[Any, Any]:  # noqa: ANN401
+        """Return a mesh's stiffness and its slope where the phase is that of gear 1's own motion."""
+        mesh = instance.name.removesuffix(BACK)
+        phase = next(phase for phase in self.model.phases if phase.name == mesh)
+        rigid = self.number[phase.rolled]
+        if self.basis == "frame" and phase.rate is not None:
+            rigid = rigid + self.number[phase.rate] * self.phi
+        return self.profile(mesh, "stiffness", rigid + self.number[instance.bind["z_1"]] / (2 * pi) * rolling)
 
     def equations(self) -> Equations:
         """Sum everything up."""
@@ -339,7 +413,12 @@ class _Assembly:
         if body.lateral:
             beta, _ = self.frame_turn(body)
             mass = self.number[body.mass or ""]
-            for axis, value in zip("xy", rotate(beta, force[0] / mass, force[1] / mass), strict=True):
+            fx, fy = force[0], force[1]
+            if body.moment is not None:
+                fx, fy = Joints(self).unbalance(
+                    body, fx, fy, self._spin(body, self._reference_acceleration(self.forces))
+                )
+            for axis, value in zip("xy", rotate(beta, fx / mass, fy / mass), strict=True):
                 yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member"), value
             for axis, value in zip("xy", self._velocity(body), strict=True):
                 yield Report(f"velocity_{axis}", body.name, "m/s", "member"), value
@@ -395,5 +474,30 @@ class _Assembly:
                 weight += result["potential"]
             else:
                 strain += result["potential"]
-                lost += result["loss"]
+                lost += self._loss(instance, result)
+                if instance.group == "mesh":
+                    put_in, booked = self._parametric(instance, result)
+                    given, lost = given + put_in, lost - booked
         return ca.vertcat(kinetic, strain, weight, given, lost)
+
+    def _loss(self, instance: Instance, result: dict[str, Any]) -> Any:  # noqa: ANN401
+        """Return the power that an element takes; one that sees deviations works against the rigid motion too."""
+        if make(instance.element).rates != "deviation":
+            return result["loss"]
+        body = self.bodies[instance.bodies[0]]
+        return -ca.dot(result["force"], ca.vertcat(*self.port(body, "absolute")[1]))
+
+    def _parametric(self, instance: Instance, result: dict[str, Any]) -> tuple[Any, Any]:
+        """Return the power [W] put in by stiffness and errors that vary with the nominal phase.
+
+        The second value is the part of it that the damper's loss, taken by the bodies' motion alone, counts too.
+        """
+        special, power, booked = self._special(instance), ca.SX(0), ca.SX(0)
+        used = set(instance.bind.values())
+        if STIFFNESS in used and SLOPE not in used:
+            slope = special[SLOPE] * self.mesh_rate_of(instance.name.removesuffix(BACK))
+            power += result["potential"] / special[STIFFNESS] * slope
+        if ERROR in used:
+            power -= result["out_force"] * special[ERROR_RATE]
+            booked = (result["out_force"] - self.call(instance, still=True)["out_force"]) * special[ERROR_RATE]
+        return power, booked

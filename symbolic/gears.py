@@ -6,6 +6,7 @@ Sources: DIN 3960 / ISO 21771 for radii, working pressure angle and contact rati
 from dataclasses import dataclass
 from math import acos, atan, cos, pi, sin, sqrt, tan
 
+from .mesh_schema import Mesh
 from .schema import Gear, Pair, Planetary, Stage
 
 
@@ -79,6 +80,22 @@ def contact_ratio(stage: Stage, one: Gear, two: Gear, sigma: int, distance: floa
     inner = _flank_length(stage, one, sigma)
     path = outer + sigma * inner - sigma * distance * sin(working)
     return path / (pi * module * cos(alpha))
+
+
+def single_share(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> float:
+    """Return the share of a tooth pitch in single contact, 2 - contact ratio (eq 9)."""
+    return 2.0 - (mesh.contact_ratio or contact_ratio(stage, one, two, sigma, stage_distance(stage)))
+
+
+def path_of_contact(stage: Planetary | Pair, one: Gear, two: Gear, sigma: int) -> tuple[float, float]:
+    """Return where the path of contact of full-depth teeth begins and ends [m].
+
+    It counts from the pitch point along the force on gear 2: from the tip circle of gear 2, at
+    r_2 tan(alpha) - L_2, to that of gear 1, at sigma (L_1 - r_1 tan(alpha)).
+    """
+    at = mesh_geometry(stage, one, two, sigma)
+    own, other = _flank_length(stage, one, sigma), _flank_length(stage, two, 1)
+    return at.r2 * tan(at.alpha) - other, sigma * (own - at.r1 * tan(at.alpha))
 
 
 def interference(stage: Stage, one: Gear, two: Gear, sigma: int, distance: float) -> bool:

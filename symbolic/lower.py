@@ -11,13 +11,15 @@ import sympy as sp
 from . import lagrange
 from .elements import make
 from .elements.base import LogCosh
-from .elements.contact import HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
+from .elements.contact import Given, HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
+from .elements.tooth_pairs import Sharing, Wrapped
 
 UNARY = {
     sp.sin: ca.sin, sp.cos: ca.cos, sp.tan: ca.tan, sp.atan: ca.atan, sp.tanh: ca.tanh, sp.cosh: ca.cosh,
     sp.sinh: ca.sinh, sp.log: ca.log, sp.exp: ca.exp, sp.Abs: ca.fabs,
     LogCosh: lambda z: ca.fabs(z) + ca.log1p(ca.exp(-2 * ca.fabs(z))) - log(2), sp.sign: ca.sign,
     Step: lambda z: z > 0, Ramp: lambda z: ca.fmax(z, 0), HalfSquare: lambda z: ca.fmax(z, 0) ** 2 / 2,
+    Wrapped: lambda z: z - ca.floor(z + 0.5),
 }  # fmt: skip
 
 
@@ -27,7 +29,15 @@ def _not_below_loss(rate: Any, damping: Any, floor: Any) -> Any:  # noqa: ANN401
     return force * rate - force**2 / (2 * damping)
 
 
-SEVERAL: dict[Any, Callable[..., Any]] = {sp.atan2: ca.atan2, NotBelow: ca.fmax, NotBelowLoss: _not_below_loss}
+def _sharing(g: Any, share: Any) -> Any:  # noqa: ANN401
+    """Evaluate the leading pair's part of the load: 1 in single contact, then falling to 1/2."""
+    return 1 - ca.fmax(ca.fabs(g) - share / 2, 0) / (1 - share)
+
+
+SEVERAL: dict[Any, Callable[..., Any]] = {
+    sp.atan2: ca.atan2, NotBelow: ca.fmax, NotBelowLoss: _not_below_loss, Sharing: _sharing,
+    Given: lambda z, value, slope: value,
+}  # fmt: skip
 
 
 def lower(expressions: Sequence[sp.Expr], leaves: dict[sp.Symbol, Any]) -> list[Any]:

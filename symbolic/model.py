@@ -10,7 +10,10 @@ from dataclasses import asdict, dataclass, field
 
 from ltcgear.generated.contract import Signal
 
-LEVEL, TURN, BASIS = "@level", "@turn", "@basis"
+LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
+STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
+VARYING = "phase.varying"
+"""Parameter: 1 in every run; 0 where profiles over the mesh phase shall be their means."""
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
 
@@ -72,7 +75,8 @@ class Instance:
     """An element at work: its type, the bodies at its ports, and where its parameters come from.
 
     ``bind`` maps the element's parameter names to parameter names of the model, or to ``@level`` (the
-    mesh's stiffness level), ``@turn`` (how far the frame has turned) and ``@basis``.
+    mesh's stiffness level), ``@phase`` (its phase), ``@turn`` (how far the frame has turned) and ``@basis``;
+    or to the mesh's ``@stiffness`` at its phase and that one's ``@slope``, its ``@error`` and ``@error_rate``.
     """
 
     name: str
@@ -96,6 +100,32 @@ class Level:
 
 
 @dataclass(frozen=True)
+class Phase:
+    """The phase tau = rate * phi + start [cycles] of a mesh with an element that follows it; no rate at rest.
+
+    ``rolled`` is the start in its place where the phase is that of gear 1's own motion.
+    """
+
+    name: str
+    rate: str | None
+    start: str
+    rolled: str
+
+
+@dataclass(frozen=True)
+class Profile:
+    """What a mesh's ``stiffness``, ``error`` or ``opening`` is over its phase: a kind of ``profiles``, its parameters.
+
+    Both flanks see an error with opposite signs, since it is a motion, and an opening with the same.
+    """
+
+    mesh: str
+    quantity: str
+    kind: str
+    numbers: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Rolling:
     """How a mesh's phase follows from its first gear: teeth / 2 pi, and its motion against the frame."""
 
@@ -116,6 +146,8 @@ class Model:
     frames: dict[str, str | None]
     instances: tuple[Instance, ...]
     levels: tuple[Level, ...]
+    phases: tuple[Phase, ...]
+    profiles: tuple[Profile, ...]
     rollings: tuple[Rolling, ...]
     parameters: tuple[Parameter, ...]
     effects: dict[str, str]
@@ -134,3 +166,12 @@ class Model:
     def values(self) -> dict[str, float]:
         """Return parameter name -> value in SI, in the order of the C."""
         return {p.name: p.value for p in self.parameters}
+
+    def nominal_place(self, body: str) -> tuple[float, float]:
+        """Return where a body stands in its frame when nothing has turned [m], what it sits on included."""
+        numbers, here = self.values(), next(item for item in self.bodies if item.name == body)
+        x, y = (numbers[name] for name in here.place) if here.place else (0.0, 0.0)
+        if here.seat is None:
+            return x, y
+        below = self.nominal_place(here.seat)
+        return below[0] + x, below[1] + y

@@ -5,9 +5,9 @@ from functools import cache
 from pathlib import Path
 from time import perf_counter
 
+from ltcgear.generated import store
 from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import CheckError
-from ltcgear.generated.store import digest
 
 from .model import Model
 
@@ -16,7 +16,7 @@ from .model import Model
 def _sources() -> str:
     """Return the text of everything that decides what is derived from a structure, and whether it may be emitted."""
     here = Path(__file__).parent
-    names = ["equations.py", "joints.py", "emit.py", "lower.py", "lagrange.py", "frames.py", "model.py"]
+    names = ["equations.py", "joints.py", "profiles.py", "emit.py", "lower.py", "lagrange.py", "frames.py", "model.py"]
     paths = [here / name for name in names]
     paths += [path for folder in ("elements", "checks") for path in sorted((here / folder).glob("*.py"))]
     return "\n".join(path.read_text("utf-8") for path in paths)
@@ -26,7 +26,7 @@ def content_key(model: Model) -> str:
     """Return the key under which a model's C is kept: structure, source text of the equations, versions at work."""
     from importlib.metadata import version
 
-    return digest([model.structure(), _sources(), version("casadi"), version("sympy")])
+    return store.digest([model.structure(), _sources(), version("casadi"), version("sympy")])
 
 
 def generate(model: Model, told: Callable[[str, float], None] = lambda stage, seconds: None) -> Artifact:
@@ -63,4 +63,22 @@ def generate(model: Model, told: Callable[[str, float], None] = lambda stage, se
     lap("check")
     artifact = emit(model, equations)
     lap("emit")
+    return artifact
+
+
+def obtain(
+    model: Model, told: Callable[[str, float], None] = lambda stage, seconds: None, fresh: bool = False
+) -> Artifact:
+    """Return a model's C from the store; where it is not there, or ``fresh`` is wanted, generate and keep it.
+
+    Raises
+    ------
+    CheckError
+        As ``generate``.
+    """
+    key = content_key(model)
+    artifact = None if fresh else store.get(key)
+    if artifact is None:
+        artifact = generate(model, told)
+        store.put(key, artifact)
     return artifact

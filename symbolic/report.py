@@ -6,8 +6,9 @@ from math import degrees, pi, sin, tau
 from typing import Any
 
 from . import gears, train
+from .mesh_schema import Mesh
 from .mesh_stiffness import levels
-from .schema import Gear, Load, Mesh, Pair, Planetary, Scene
+from .schema import Gear, Load, Pair, Planetary, Scene
 from .validate import meshes
 
 UNLOADED = 1e-9  # of the largest torque over the base radius: below, a static force is rounding

@@ -1,82 +1,42 @@
 """The scene's schema: strict pydantic models; every quantity is text with a unit."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, GetCoreSchemaHandler, model_validator
-from pydantic_core import core_schema
+from pydantic import BeforeValidator, Field
 
-from . import units
 from .effects import DEFAULTS, EFFECTS, contradictions
-from .series import Pairs, Series
+from .mesh_schema import Mesh
+from .quantities import (
+    Acceleration,
+    Angle,
+    Bore,
+    BreakdownTorque,
+    Damping,
+    DecayRate,
+    DecayTime,
+    Density,
+    Duration,
+    Force,
+    Inertia,
+    Length,
+    Mass,
+    Name,
+    Rate,
+    Ratio,
+    SmallSpeed,
+    Speed,
+    SpeedOverTime,
+    Stiffness,
+    Table,
+    Torque,
+    TorqueOverTime,
+    TorsionalDamping,
+    TorsionalStiffness,
+)
 
 SAMPLES = 1e8  # the most a result may hold for each of its quantities
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """Marks a float field that is written as text with a unit and kept in SI."""
-
-    unit: str
-    positive: bool = False
-
-    def read(self, value: object) -> float:
-        """Convert the text of a scene."""
-        number = units.parse(value, self.unit)
-        if self.positive and number <= 0:
-            raise ValueError(f"{value!r} must be greater than zero")
-        return number
-
-    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        """Tell pydantic how to read and write the field."""
-        write = core_schema.plain_serializer_function_ser_schema(lambda value: f"{value!r} {self.unit}".strip())
-        return core_schema.no_info_before_validator_function(self.read, core_schema.float_schema(), serialization=write)
-
-
-Length = Annotated[float, Quantity("m", positive=True)]
-Bore = Annotated[float, Quantity("m")]
-Angle = Annotated[float, Quantity("rad")]
-Mass = Annotated[float, Quantity("kg", positive=True)]
-Inertia = Annotated[float, Quantity("kg*m^2", positive=True)]
-Stiffness = Annotated[float, Quantity("N/m", positive=True)]
-TorsionalStiffness = Annotated[float, Quantity("N*m/rad", positive=True)]
-Damping = Annotated[float, Quantity("N*s/m", positive=True)]
-TorsionalDamping = Annotated[float, Quantity("N*m*s/rad", positive=True)]
-Density = Annotated[float, Quantity("kg/m^3", positive=True)]
-Duration = Annotated[float, Quantity("s", positive=True)]
-Rate = Annotated[float, Quantity("1/s", positive=True)]
-Speed = Annotated[float, Quantity("rad/s")]
-SmallSpeed = Annotated[float, Quantity("rad/s", positive=True)]
-Torque = Annotated[float, Quantity("N*m")]
-BreakdownTorque = Annotated[float, Quantity("N*m", positive=True)]
-SpeedOverTime = Annotated[Pairs, Series("s", "rad/s")]
-TorqueOverTime = Annotated[Pairs, Series("s", "N*m")]
-Force = Annotated[float, Quantity("N", positive=True)]
-Acceleration = Annotated[float, Quantity("m/s^2")]
-Velocity = Annotated[float, Quantity("m/s", positive=True)]
-Ratio = Annotated[float, Field(gt=0, lt=1)]
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
-
-
-class Table(BaseModel):
-    """A table of the scene file; unknown keys are refused, values do not change."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        """Refuse keys that do not go together; one line a defect."""
-        found = list(self.faults())
-        if found:
-            raise ValueError("\n".join(found))
-        return self
-
-    def faults(self) -> Iterator[str]:
-        """Tell what does not go together in this table; a fault of one key begins with ``.key: ``."""
-        if getattr(self, "damping", None) is not None and getattr(self, "damping_ratio", None) is not None:
-            yield "give either damping or damping_ratio, not both"
 
 
 class Disc(Table):
@@ -94,11 +54,21 @@ class Disc(Table):
 
 
 class Bearing(Table):
-    """Isotropic radial spring-damper; a damping ratio refers to the member's own mass."""
+    """Isotropic radial spring-damper; a damping ratio refers to the member's own mass.
+
+    The radial ``clearance`` acts when ``bearing_clearance`` is on.
+    """
 
     stiffness: Stiffness
     damping: Damping | None = None
     damping_ratio: Ratio | None = None
+    clearance: Bore | None = None
+
+    def faults(self) -> Iterator[str]:
+        """Check the clearance."""
+        yield from super().faults()
+        if self.clearance is not None and self.clearance < 0:
+            yield ".clearance: must not be negative; a bearing that is preloaded has none"
 
 
 class PinBearing(Bearing):
@@ -151,51 +121,20 @@ class Member(Table):
             yield f'{" and ".join(missing)} {verb} missing for support = "{self.support}"; give it or a disc'
 
 
+class Eccentricity(Table):
+    """How far the centre of a gear's teeth lies from its axis, and where at angle zero; acts with ``eccentricity``."""
+
+    radius: Bore
+    angle: Angle = 0.0
+
+
 class Gear(Member):
     """A gear: teeth (radii then follow from module and angles) or an explicit base radius."""
 
     teeth: Annotated[int, Field(ge=3, le=100000)] | None = None
     profile_shift: Annotated[float, Field(gt=-2, lt=2)] = 0.0
     base_radius: Length | None = None
-
-
-class Friction(Table):
-    """Pitch-point friction of a mesh; acts when ``mesh_friction`` is on."""
-
-    coefficient: Annotated[float, Field(ge=0, lt=1)]
-    speed: Velocity = 0.01
-    damping: Damping | None = None
-
-
-class Mesh(Table):
-    """A gear mesh.
-
-    ``stiffness`` is that of single contact (or the constant one); alternatively
-    ``torsional_stiffness`` with its ``reference`` gear, k = K / r_b^2. ``double_factor`` is the
-    paper's xi: double contact is that much stiffer. Without it the stiffness is constant. From
-    ``face_width`` both levels are computed (spur gears).
-    """
-
-    stiffness: Stiffness | None = None
-    torsional_stiffness: TorsionalStiffness | None = None
-    reference: Literal["sun", "ring", "planet", "input", "output"] | None = None
-    face_width: Length | None = None
-    double_factor: Annotated[float, Field(ge=1, le=3)] | None = None
-    contact_ratio: Annotated[float, Field(gt=1.000001, lt=1.999999)] | None = None
-    phase: Annotated[float, Field(ge=-1, le=1)] = 0.0
-    damping: Damping | None = None
-    damping_ratio: Ratio | None = None
-    flank: Literal["auto", "printed", "opposite"] = "auto"
-    backlash: Bore = 0.0
-    friction: Friction | None = None
-
-    def faults(self) -> Iterator[str]:
-        """Check that there is one stiffness and one damping."""
-        yield from super().faults()
-        if sum(k is not None for k in (self.stiffness, self.torsional_stiffness, self.face_width)) != 1:
-            yield "give either stiffness, or torsional_stiffness with its reference gear, or face_width"
-        elif (self.torsional_stiffness is None) != (self.reference is None):
-            yield "torsional_stiffness and reference belong together"
+    eccentricity: Eccentricity | None = None
 
 
 class Stage(Table):
@@ -219,6 +158,12 @@ class PositionError(Table):
     tangential: Bore = 0.0
 
 
+class PlanetEccentricity(Eccentricity):
+    """The eccentricity of one planet's teeth."""
+
+    planet: Annotated[int, Field(ge=1)]
+
+
 class Planetary(Stage):
     """A planetary stage: ring, sun, carrier and equal planets."""
 
@@ -233,15 +178,19 @@ class Planetary(Stage):
     ring_planet: Mesh
     pin: PinBearing
     position_errors: list[PositionError] = []
+    eccentricities: list[PlanetEccentricity] = []
 
     def faults(self) -> Iterator[str]:
         """Check the planets."""
         for key in ("support", "bearing", "torsional_support", "drag"):
             if key in self.planet.model_fields_set and getattr(self.planet, key) not in (None, "floating"):
                 yield f".planet.{key}: a planet is carried by its pin alone; leave {key} out"
-        named = [error.planet for error in self.position_errors]
-        for number in sorted({n for n in named if n > self.planets or named.count(n) > 1}):
-            yield f".position_errors: planet {number} must be one of 1 to {self.planets}, each once"
+        if self.planet.eccentricity is not None:
+            yield ".planet.eccentricity: planets differ; give the stage eccentricities = [{ planet = 1, radius = ... }]"
+        for key in ("position_errors", "eccentricities"):
+            named = [error.planet for error in getattr(self, key)]
+            for number in sorted({n for n in named if n > self.planets or named.count(n) > 1}):
+                yield f".{key}: planet {number} must be one of 1 to {self.planets}, each once"
         if self.planet_angles is not None and len(self.planet_angles) != self.planets:
             yield f".planet_angles: {len(self.planet_angles)} angles for planets = {self.planets}; give one a planet"
 
@@ -324,6 +273,21 @@ class Load(Table):
             yield '.speed_over_time: is zero throughout; write speed = "0 rpm"'
 
 
+class Rayleigh(Table):
+    """Factors of Rayleigh damping, C = mass M + stiffness K; acts when ``damping`` is ``rayleigh``."""
+
+    mass: DecayRate = 0.0
+    stiffness: DecayTime = 0.0
+
+    def faults(self) -> Iterator[str]:
+        """Check that they damp."""
+        for key in ("mass", "stiffness"):
+            if getattr(self, key) < 0:
+                yield f".{key}: must not be negative"
+        if self.mass == self.stiffness == 0:
+            yield "damps nothing; give mass or stiffness, or both"
+
+
 class Simulation(Table):
     """Defaults of ``ltcgear simulate`` for this scene."""
 
@@ -371,4 +335,5 @@ class Scene(Table):
     gravity: Annotated[list[Acceleration], Field(min_length=2, max_length=2)] = [0.0, -9.80665]
     effects: Annotated[dict[str, str], BeforeValidator(_effects)] = DEFAULTS
     simulation: Simulation = Simulation()
+    rayleigh: Rayleigh | None = None
     sources: dict[str, str] = {}

@@ -349,13 +349,13 @@ def single_pair_stiffness(
 def mesh_stiffness(
     one: Tooth, two: Tooth, width: float, center_distance: float, material: Material | None = None, samples: int = 200
 ) -> tuple[Array, Array]:
-    """Return the mesh phase [cycles, 0 to 1) and the stiffness [N/m] of all pairs in contact.
+    """Return mesh phases [cycles], the middles of equal parts, and the stiffness [N/m] of all pairs in contact.
 
     Single contact begins at phase 0 and lasts 2 - contact ratio, as in Wu et al. 2021, eqs 9-11; the
     contact moves towards the tip of ``one``, the driving gear. Parameters as in `single_pair_stiffness`.
     """
     path = path_of_contact(one, two, center_distance)
-    phase = np.arange(samples) / samples
+    phase = (np.arange(samples) + 0.5) / samples
     total = np.zeros(samples)
     for behind in range(1, 1 + int(np.ceil(path.contact_ratio))):
         position = path.end + (phase - behind) * path.base_pitch

@@ -2,13 +2,15 @@
 
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from math import acos, cos, degrees, pi, tau
+from math import acos, cos, degrees, pi, tan, tau
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import Field, TypeAdapter, ValidationError
 
-from . import gears, train
-from .schema import Gear, Member, Mesh, Pair, Planetary, Rotor, Scene, Stage, suggest
+from . import gears, mesh_stiffness, train
+from .mesh_schema import Mesh
+from .schema import Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
 
 PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
 RESERVED = ("reference", "origin", "gravity", "loads", "couplings")
@@ -23,7 +25,8 @@ def validate(scene: Scene) -> list[str]:
     }
     faults = [*_names(scene.stages, scene.rotors), *_references(train.members(scene), plain)]
     for name, stage in scene.stages.items():
-        faults += _stage(name, stage)
+        found = list(_stage(name, stage))
+        faults += found or _sliding(name, stage, scene.effects["mesh_friction"])
     if not scene.stages and not scene.rotors:
         faults.append("stages: the scene has no member; add a stage or a rotor")
     return faults or [*_loads(scene)] or train.motion(scene)[1]
@@ -206,10 +209,53 @@ def _mesh(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, s
     choices = tuple(key.rsplit(".", 1)[-1].split("_")) if isinstance(stage, Planetary) else ("input", "output")
     if mesh.reference is not None and mesh.reference not in choices:
         yield f"{key}.reference: must be one of {', '.join(choices)}, not {mesh.reference!r}"
+    faults: list[str] = []
     if mesh.face_width is not None:
-        yield from _computable(key, stage, mesh, one, two)
-    elif mesh.double_factor is not None:
-        yield from _contact_ratio(key, stage, mesh, one, two, sigma)
+        faults += _computable(key, stage, mesh, one, two)
+    elif mesh.double_factor is not None or mesh.tooth_errors:
+        faults += _contact_ratio(key, stage, mesh, one, two, sigma)
+    faults = faults or [*_profile(key, (stage, mesh, one, two, sigma))]
+    yield from [*faults, *_tooth_errors(key, stage, mesh, choices, (one, two))]
+
+
+def _profile(key: str, geometry: tuple[Planetary | Pair, Mesh, Gear, Gear, int]) -> Iterator[str]:
+    """Check that transitions have room and that what a table's harmonics give is a stiffness."""
+    mesh = geometry[1]
+    single, double = mesh_stiffness.levels(*geometry)
+    if double is not None:
+        share = gears.single_share(*geometry)
+        if "transition" in mesh.model_fields_set and mesh.transition > 2 * min(share, 1 - share):
+            room = 2 * min(share, 1 - share)
+            yield f"{key}.transition: transitions overlap, single contact lasts {share:.3f} pitches; {room:.3f} at most"
+        series = mesh_stiffness.two_level_series(single, double, share, mesh.harmonics)
+        yield from _positive(f"{key}.harmonics", series)
+    if mesh.stiffness_table is not None:
+        yield from _positive(
+            f"{key}.stiffness_table", mesh_stiffness.table_series(mesh.stiffness_table, mesh.harmonics)
+        )
+
+
+def _positive(key: str, series: list[float]) -> Iterator[str]:
+    """Check that a series is a stiffness all over the pitch."""
+    least = float(mesh_stiffness.series_values(series, np.linspace(0.0, 1.0, 2000)).min())
+    if least <= 0:
+        yield f"{key}: {len(series) // 2} harmonics swing down to {least:.3g} N/m; keep more, or fewer"
+
+
+def _tooth_errors(
+    key: str, stage: Planetary | Pair, mesh: Mesh, parts: tuple[str, ...], wheels: tuple[Gear, Gear]
+) -> Iterator[str]:
+    """Check that the teeth with errors exist."""
+    for number, item in enumerate(mesh.tooth_errors):
+        where = f"{key}.tooth_errors.{number}"
+        if item.gear not in parts:
+            yield f"{where}.gear: must be one of {', '.join(parts)}, not {item.gear!r}"
+            continue
+        teeth = wheels[parts.index(item.gear)].teeth
+        if teeth is not None and item.tooth >= teeth:
+            yield f"{where}.tooth: the {item.gear} has teeth 0 to {teeth - 1}"
+        if item.planet is not None and not (isinstance(stage, Planetary) and item.planet <= stage.planets):
+            yield f"{where}.planet: there is no planet {item.planet}; leave it out to mean all"
 
 
 def _computable(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear) -> Iterator[str]:
@@ -228,7 +274,7 @@ def _computable(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: G
 def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> Iterator[str]:
     """Check that single and double contact can alternate."""
     if one.teeth is None or two.teeth is None:
-        yield f"{key}.double_factor: switching needs the teeth of both gears"
+        yield f"{key}: double_factor and tooth_errors need the teeth of both gears"
         return
     if mesh.contact_ratio is not None:
         return
@@ -237,11 +283,30 @@ def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two
         return
     distance = gears.stage_distance(stage)
     ratio = gears.contact_ratio(stage, one, two, sigma, distance)
-    cure = "give contact_ratio, or drop double_factor"
+    cure = "give contact_ratio" + (", or drop double_factor" if mesh.double_factor else "")
     if not 1 < ratio < 2:
         yield f"{key}.contact_ratio: full-depth teeth would have {ratio:.3f}, outside 1 to 2; {cure}"
     elif gears.interference(stage, one, two, sigma, distance):
         yield f"{key}.contact_ratio: full-depth tips would cut into the flanks below the base circle; {cure}"
+
+
+def _sliding(name: str, stage: Planetary | Pair, friction: str) -> Iterator[str]:
+    """Check that sliding friction knows where the teeth touch: between the base circles, one or two pairs."""
+    for mesh_name, mesh, one, two, sigma in meshes(stage):
+        key = f"stages.{name}.{mesh_name}"
+        if friction != "sliding" or mesh.friction is None:
+            continue
+        if stage.module is None or one.teeth is None or two.teeth is None:
+            yield f"{key}.friction: sliding needs the teeth of both gears, module and pressure_angle; give them"
+            continue
+        ratio = 2.0 - gears.single_share(stage, mesh, one, two, sigma)
+        at, ends = gears.mesh_geometry(stage, one, two, sigma), gears.path_of_contact(stage, one, two, sigma)
+        half, middle = ratio * pi * at.r1 / one.teeth, sum(ends) / 2
+        on_one, on_two = sigma * middle + at.r1 * tan(at.alpha), at.r2 * tan(at.alpha) - middle
+        if not 1 < ratio < 2:
+            yield f"{key}.contact_ratio: full-depth teeth would have {ratio:.3f}, outside 1 to 2; give contact_ratio"
+        elif min(on_one, on_two) < half:
+            yield f"{key}.contact_ratio: {ratio:.3f} leads the teeth's contact past a base circle; give a smaller one"
 
 
 def _room(key: str, stage: Planetary) -> Iterator[str]:

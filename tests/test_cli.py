@@ -77,7 +77,11 @@ def test_effects(data, run):
     listed = {item["name"]: item for item in data("effects")["effects"]}
     assert listed["mesh_law"]["default"] == listed["mesh_law"]["values"][0] == "involute"
     assert all(item["help"] and item["source"] for item in listed.values())
-    assert "bearing_friction" in run("effects")[1]
+    assert listed["gravity"]["needs"] == {"on": "a member that can move sideways"}
+    assert all({"without", "excludes"} <= set(item) for item in listed.values())
+    text = " ".join(run("effects")[1].split())
+    assert "bearing_friction" in text
+    assert "on: needs" in text
 
 
 def test_info(data, run):
@@ -115,6 +119,59 @@ def test_info_tells_geometry_motion_and_loads(data, run):
     out = run("info", "rig-2mw")[1]
     assert max(len(line) for line in out.splitlines()) <= 80
     assert all(word in out for word in ("tip clearance of planets", "drives", "brakes", "158.227 Hz"))
+
+
+def test_info_tells_what_effects_do_and_why_there_are_freedoms(data, run):
+    shown = data("info", "rig-2mw", "--set", "effects.gravity=on")
+    acting = {item["effect"]: item["here"] for item in shown["acting"]}
+    assert {"mesh_stiffness", "mesh_damping", "damping", "gravity"} <= set(acting)
+    assert not {"mesh_law", "mesh_friction", "bearing_friction"} & set(acting)
+    assert acting["gravity"].startswith("gravity: 13 more")
+    freedoms = {row["body"]: row for row in shown["freedoms"]}
+    assert freedoms["lsp.planet.1-4"]["axes"] == ["x", "y", "u"]
+    assert "its pin is flexible" in freedoms["lsp.planet.1-4"]["reason"]
+    assert "support = floating" in freedoms["lsp.sun"]["reason"]
+    assert "shaft flange is flexible" in freedoms["generator"]["reason"]
+    assert "motor" not in freedoms
+    counts = {"lsp.planet.1-4": 4, "hsp.planet.1-3": 3, "reference": 0}
+    assert sum(len(row["axes"]) * counts.get(body, 1) for body, row in freedoms.items()) == shown["dof"]
+    out = run("info", "rig-2mw")[1]
+    assert "Effects that act" in out
+    assert "Freedoms" in out
+
+
+def test_cost(data, run, tmp_path):
+    shown = data("cost", "psh", "--t-end", "0.02", "--set", "effects.gravity=on", "-o", tmp_path / "cost.png")
+    rows = {row["effect"]: row for row in shown["variants"]}
+    assert {"mesh_stiffness", "mesh_damping", "damping", "gravity"} < set(rows)
+    assert shown["variants"][0]["effect"] == "all"
+    expected = {"value", "without", "states", "ops", "ns_call", "seconds_per_simulated_second", "counts", "changes"}
+    assert all(expected <= set(row) and row["reason"] == "" for row in rows.values())
+    assert set(rows["all"]["changes"]) == {"force_rms", "force_peak", "load_share", "spectrum"}
+    assert rows["gravity"]["ops"]["rhs"] < rows["all"]["ops"]["rhs"]
+    assert rows["mesh_stiffness"]["counts"]["events"] == 0 < rows["all"]["counts"]["events"]
+    assert abs(rows["gravity"]["changes"]["force_rms"]) < 0.1 < abs(rows["mesh_stiffness"]["changes"]["force_rms"])
+    assert (tmp_path / "cost.png").stat().st_size > 10_000
+    out = run("cost", "psh", "--t-end", "0.02")[1]
+    assert "two-level > mean" in out
+    assert max(len(line) for line in out.splitlines()) <= 80
+
+
+def test_cost_tells_what_cannot_be_run(data, monkeypatch):
+    from ltcgear.symbolic import scene
+
+    whole = scene.load_scene
+
+    def refusing(name, changes=None):
+        if "effects.damping" in (changes or {}):
+            raise scene.SceneError("psh: 1 defect\n  effects.damping: contradicts")
+        return whole(name, changes)
+
+    monkeypatch.setattr(scene, "load_scene", refusing)
+    rows = {row["effect"]: row for row in data("cost", "psh", "--t-end", "0.005")["variants"]}
+    assert "contradicts" in rows["damping"]["reason"]
+    assert rows["damping"]["states"] is None
+    assert rows["mesh_damping"]["reason"] == ""
 
 
 def test_info_of_a_scene_at_rest(data):
@@ -222,7 +279,7 @@ def test_set_replaces_values(data):
 
 def test_help_and_no_command(run):
     assert run("--help")[0] == 0
-    for command in ("scenes", "effects", "info", "check", "generate", "simulate", "modes"):
+    for command in ("scenes", "effects", "info", "check", "generate", "simulate", "modes", "cost"):
         code, out, _ = run(command, "--help")
         assert code == 0
         assert "--json" in out
@@ -285,6 +342,10 @@ def test_a_failed_check_is_exit_code_1(data, monkeypatch):
         (["simulate", "lsp", "--t-end", "-1"], "t_end -1: must"),
         (["simulate", "lsp", "--t-end", "nan"], "t_end nan: must"),
         (["simulate", "lsp", "--t-end", "inf"], "t_end inf: must"),
+        (["cost", "lsp", "--t-end", "0"], "t_end 0: must"),
+        (["cost", "lsp", "--rtol", "1"], "must lie between"),
+        (["cost", "lsp", "-o", "cost.jpg"], "name it cost.png"),
+        (["cost", "nosuch"], "no such file"),
         (["info", "lsp", "--set"], "requires an argument"),
         (["info", "lsp", "--set", "foo"], "write KEY=VALUE"),
         (["info", "lsp", "--set", "=3"], "write KEY=VALUE"),

@@ -7,9 +7,10 @@ from ..model import Model
 from ..schema import Pair, Planetary, Scene
 from ..validate import meshes
 from .bodies import add_body, add_coupling, add_gravity, add_member, add_pin
-from .draft import Draft
+from .draft import Draft, MeshPlace
 from .gearing import add_mesh
 from .loading import add_load, add_reference
+from .rayleigh import add_rayleigh
 from .rigid import find_leaders, in_plane, pin_places, rigid_pins
 
 
@@ -42,10 +43,12 @@ def build_model(scene: Scene) -> Model:
         add_load(draft, name, load)
     if draft.on("gravity"):
         add_gravity(draft)
+    add_rayleigh(draft)
     return Model(
         scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, tuple(draft.instances),
-        tuple(draft.levels), tuple(draft.rollings), tuple(draft.parameters.values()), dict(scene.effects),
-        draft.statics, tuple(draft.signals.values()), draft.tables,
+        tuple(draft.levels), tuple(draft.phases), tuple(draft.profiles), tuple(draft.rollings),
+        tuple(draft.parameters.values()), dict(scene.effects), draft.statics,
+        tuple(draft.signals.values()), draft.tables,
     )  # fmt: skip
 
 
@@ -69,8 +72,8 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
             misplaced = draft.on("planet_position_error") and stage.position_errors
             add_pin(draft, name, i, stage, _place(draft, f"{name}.pin.{i}", *pin) if misplaced else place)
         for mesh_name, mesh, one, two, sigma in meshes(stage):
-            bodies = (f"{name}.{mesh_name.split('_')[0]}", planet)
-            add_mesh(draft, f"{name}.{mesh_name}", f".{i}", stage, mesh, bodies, (one, two), sigma, direction)
+            key, members = f"{name}.{mesh_name}", (f"{name}.{mesh_name.split('_')[0]}", planet)
+            add_mesh(draft, MeshPlace(key, f"{key}.{i}", stage, mesh, (one, two), sigma, members, direction))
 
 
 def _place(draft: Draft, name: str, x: float, y: float) -> tuple[str, str]:
@@ -87,5 +90,5 @@ def _pair(draft: Draft, name: str, stage: Pair) -> None:
     plane = in_plane(draft.scene)
     place = _place(draft, output, distance * cos(direction), distance * sin(direction)) if plane else None
     add_member(draft, output, stage.output, name, place)
-    bodies = (f"{name}.input", output)
-    add_mesh(draft, f"{name}.mesh", "", stage, stage.mesh, bodies, (stage.input, stage.output), 1, direction)
+    key, wheels, members = f"{name}.mesh", (stage.input, stage.output), (f"{name}.input", output)
+    add_mesh(draft, MeshPlace(key, key, stage, stage.mesh, wheels, 1, members, direction))

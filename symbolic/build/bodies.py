@@ -6,6 +6,7 @@ from .. import train
 from ..model import BASIS, Body
 from ..schema import Bearing, Coupling, Member, Planetary, Rotor, TorsionalSupport
 from .draft import Draft
+from .rayleigh import rayleigh_of
 from .rigid import joined_inertia, mass_centre, seated, static_moment, turning_of
 
 
@@ -16,9 +17,9 @@ def add_member(
     sideways = draft.on("lateral") and isinstance(member, Member) and member.support in ("bearing", "floating")
     add_body(draft, name, name, member, sideways, frame, place)
     if sideways and isinstance(member, Member) and member.bearing is not None:
-        _ground_bearing(draft, name, member.bearing, place)
+        _ground_bearing(draft, name, member.bearing, train.inertia_of(member)[0], place)
     if member.torsional_support is not None and not train.is_fixed(member):
-        _torsional_support(draft, name, member.torsional_support, joined_inertia(draft, name, member))
+        _torsional_support(draft, name, member.torsional_support, train.inertia_of(member)[1])
     if member.drag is not None and not train.is_fixed(member):
         draft.place(f"{name}.drag", ("drag",), (name,), c_t=draft.number(f"{name}.drag", member.drag, "N*m*s/rad"))
 
@@ -47,7 +48,10 @@ def add_body(
 def _damper(
     draft: Draft, key: str, item: Bearing | TorsionalSupport | Coupling, inertia: float, unit: str
 ) -> str | None:
-    """Note the damper that goes with a spring: given, or 2 zeta sqrt(k m); None where there is none."""
+    """Note the damper that goes with a spring: given, 2 zeta sqrt(k m), or Rayleigh's; None where there is none."""
+    factors = rayleigh_of(draft)
+    if factors is not None and factors.stiffness:
+        return draft.number(f"{key}.damping", factors.stiffness * item.stiffness, unit)
     if not draft.on("damping"):
         return None
     value = item.damping
@@ -62,14 +66,26 @@ def _origin(draft: Draft, place: tuple[str, str] | None) -> dict[str, str]:
     return {"x_0": x, "y_0": y}
 
 
-def _ground_bearing(draft: Draft, name: str, bearing: Bearing, place: tuple[str, str] | None) -> None:
-    """Add the bearing of a member in the housing."""
-    mass = draft.parameters[f"{name}.mass"].value
+def _ground_bearing(draft: Draft, name: str, bearing: Bearing, mass: float, place: tuple[str, str] | None) -> None:
+    """Add the bearing of a member in the housing; a damping ratio refers to the member's own mass."""
     bind = {"k": draft.number(f"{name}.bearing.stiffness", bearing.stiffness, "N/m")}
     damper = _damper(draft, f"{name}.bearing", bearing, mass, "N*s/m")
     if damper:
         bind["c"] = damper
-    draft.place(name, ("ground_bearing", damper is not None), (name,), **bind, **_origin(draft, place))
+    race = _clearance(draft, f"{name}.bearing", bearing)
+    group = "ground_clearance" if race else "ground_bearing"
+    draft.place(name, (group, damper is not None), (name,), **bind, **_origin(draft, place), **race)
+
+
+def _clearance(draft: Draft, key: str, bearing: Bearing) -> dict[str, str]:
+    """Bind the clearance of a bearing, nothing where it has none."""
+    if not draft.on("bearing_clearance") or bearing.clearance is None:
+        return {}
+    return {
+        "clearance": draft.number(f"{key}.clearance", bearing.clearance, "m"),
+        "closing": draft.number("bearing.closing", 0.0, ""),
+        "epsilon": draft.number("bearing.rounding", 1e-9, "m"),
+    }
 
 
 def _torsional_support(draft: Draft, name: str, support: TorsionalSupport, inertia: float) -> None:
@@ -88,11 +104,10 @@ def reduced(one: float, two: float) -> float:
 
 
 def swinging(draft: Draft, name: str) -> float:
-    """Return the inertia of a member and of all that turns with it, 0 where its motion is held."""
-    everyone = train.members(draft.scene)
-    leader = draft.leaders.get(name, name)
-    held = turning_of(draft.scene, draft.rigid, leader, everyone[leader]) in ("held", "driven")
-    return 0.0 if held else joined_inertia(draft, leader, everyone[leader])
+    """Return a member's own inertia, 0 where its motion is held."""
+    member = train.members(draft.scene)[name]
+    held = turning_of(draft.scene, draft.rigid, name, member) in ("held", "driven")
+    return 0.0 if held else train.inertia_of(member)[1]
 
 
 def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:
@@ -119,11 +134,13 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
     mass = draft.parameters[f"{name}.planet.mass"].value
     damper = _damper(draft, f"{name}.pin", stage.pin, mass, "N*s/m")
     label = f"{name}.pin.{number}"
-    draft.place(label, ("pin", damper is not None), bodies, **bind, **({"c": damper} if damper else {}))
+    bind |= _clearance(draft, f"{name}.pin", stage.pin)
+    group = "pin_clearance" if "clearance" in bind else "pin"
+    draft.place(label, (group, damper is not None), bodies, **bind, **({"c": damper} if damper else {}))
     if draft.on("bearing_friction") and (stage.pin.friction or stage.pin.friction_damping):
         pin = stage.pin
         draft.place(
-            label, ("pin_friction",), bodies, **bind,
+            label, (f"{group}_friction",), bodies, **bind,
             mu=draft.number(f"{name}.pin.friction", pin.friction, ""),
             d_b=draft.number(f"{name}.pin.diameter", pin.diameter or 0.0, "m"),
             c_r=draft.number(f"{name}.pin.friction_damping", pin.friction_damping or 0.0, "N*m*s/rad"),
@@ -134,9 +151,12 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
 
 def add_gravity(draft: Draft) -> None:
     """Add the weight of every body that can move sideways."""
+    heavy = [body for body in draft.bodies if body.lateral and body.mass is not None]
+    if not heavy:
+        return
     x, y = draft.scene.gravity
     bind = {"g_x": draft.number("gravity.x", x, "m/s^2"), "g_y": draft.number("gravity.y", y, "m/s^2")}
-    for body in [body for body in draft.bodies if body.lateral and body.mass is not None]:
+    for body in heavy:
         centre = mass_centre(draft, body)
         if centre is not body:
             draft.bodies.append(centre)

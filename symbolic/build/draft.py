@@ -1,13 +1,41 @@
-"""The model while it is being put together, the only mutable value of the pipeline."""
+"""The model and its meshes while they are being put together, the only mutable values of the pipeline."""
 
 from dataclasses import dataclass, field
 
 from ltcgear.generated.contract import Signal
 
 from .. import train
-from ..model import Body, Instance, Level, Parameter, Rolling
-from ..schema import Scene
+from ..mesh_schema import Mesh
+from ..model import Body, Instance, Level, Parameter, Phase, Profile, Rolling
+from ..schema import Gear, Pair, Planetary, Scene
 from ..series import Pairs
+
+
+@dataclass
+class MeshPlace:
+    """One mesh on its way into the model: names (of all equal ones, and its own), gears, and what its law needs.
+
+    ``in_plane`` tells that the law knows the gears' places, ``backwards`` that the contact moves away from the tip
+    of gear 1, ``switched`` that a level is needed.
+    """
+
+    name: str
+    label: str
+    stage: Planetary | Pair
+    mesh: Mesh
+    wheels: tuple[Gear, Gear]
+    sigma: int
+    members: tuple[str, str]
+    direction: float
+    sense: int = 1
+    in_plane: bool = True
+    backwards: bool = False
+    switched: bool = False
+
+    @property
+    def geometry(self) -> tuple[Planetary | Pair, Mesh, Gear, Gear, int]:
+        """Return what the functions of ``mesh_stiffness`` ask for."""
+        return self.stage, self.mesh, *self.wheels, self.sigma
 
 
 @dataclass
@@ -20,6 +48,8 @@ class Draft:
     bodies: list[Body] = field(default_factory=list)
     instances: list[Instance] = field(default_factory=list)
     levels: list[Level] = field(default_factory=list)
+    phases: list[Phase] = field(default_factory=list)
+    profiles: list[Profile] = field(default_factory=list)
     rollings: list[Rolling] = field(default_factory=list)
     parameters: dict[str, Parameter] = field(default_factory=dict)
     frames: dict[str, str | None] = field(default_factory=lambda: {"": None})

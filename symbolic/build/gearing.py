@@ -1,127 +1,171 @@
-"""Meshes of a model: law, stiffness, damper, friction, phase."""
+"""Meshes of a model: law, stiffness, errors, damper, contact, friction, phase."""
 
 from math import cos, pi, sin, sqrt
 
-from .. import gears, mesh_stiffness, train
-from ..model import BACK, LEVEL, TURN, Level, Rolling
-from ..schema import Gear, Mesh, Pair, Planetary
+from .. import gears, train
+from ..model import BACK, PHASE, TURN, VARYING, Body, Level, Phase, Rolling
+from ..schema import Eccentricity, Planetary
 from .bodies import reduced, swinging
-from .draft import Draft
+from .draft import Draft, MeshPlace
+from .errors import bind_error, pin_turn
+from .friction import add_friction
+from .rayleigh import rayleigh_of
+from .stiffness import bind_stiffness
 
 
-def single_share(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> float:
-    """Return the share of a tooth pitch in single contact, 2 - contact ratio (eq 9)."""
-    ratio = mesh.contact_ratio or gears.contact_ratio(stage, one, two, sigma, gears.stage_distance(stage))
-    return 2.0 - ratio
-
-
-def add_mesh(
-    draft: Draft, name: str, number: str, stage: Planetary | Pair, mesh: Mesh, bodies: tuple[str, str],
-    wheels: tuple[Gear, Gear], sigma: int, direction: float,
-) -> None:  # fmt: skip
-    """Add one mesh: its law, level, damper and friction; equal meshes share their numbers."""
-    label = name + number
-    law = draft.scene.effects["mesh_law"]
-    geometry = gears.mesh_geometry(stage, *wheels, sigma)
-    single, double = mesh_stiffness.levels(stage, mesh, *wheels, sigma)
-    switched = double is not None and draft.scene.effects["mesh_stiffness"] == "two-level"
+def add_mesh(draft: Draft, at: MeshPlace) -> None:
+    """Add one mesh: its law, stiffness, errors, damper, friction and phase; equal meshes share their numbers."""
+    name, effects = at.name, draft.scene.effects
+    geometry = gears.mesh_geometry(at.stage, *at.wheels, at.sigma)
     force = draft.statics[name]
-    sign = {"auto": -1.0 if force < 0 else 1.0, "printed": 1.0, "opposite": -1.0}[mesh.flank]
+    sign = {"auto": -1.0 if force < 0 else 1.0, "printed": 1.0, "opposite": -1.0}[at.mesh.flank]
+    at.sense = _sense(draft, at)
+    at.backwards = sign * at.sense < 0
     bind = {
         "r_1": draft.number(f"{name}.base_radius_1", geometry.r1, "m"),
         "r_2": draft.number(f"{name}.base_radius_2", geometry.r2, "m"),
-        "e_x": draft.number(f"{label}.e_x", cos(direction), ""),
-        "e_y": draft.number(f"{label}.e_y", sin(direction), ""),
         "s": draft.number(f"{name}.flank", sign, ""),
+    }
+    bodies = _teeth(draft, at)
+    at.in_plane = effects["lateral"] == "on" or bodies != at.members
+    law = effects["mesh_law"] if at.in_plane else "torsional"
+    if at.in_plane:
+        bind |= _in_plane(draft, at, geometry, law)
+    elif isinstance(at.stage, Planetary):
+        law, bodies = "orbiting", (*bodies, f"{name.split('.')[0]}.carrier")
+    mean = bind_stiffness(draft, at, bind)
+    error = bind_error(draft, at, bind)
+    if draft.on("mesh_damping"):
+        _mesh_damping(draft, at, geometry, mean, bind)
+    kind = "external" if at.sigma > 0 else "internal"
+    two_levels, followed = "level" in bind, "k_d" in bind
+    _contact(draft, at, bodies, (kind, law, two_levels, "c" in bind), (error, followed), bind)
+    if at.mesh.friction is not None and effects["mesh_friction"] != "off":
+        # Friction needs the place of the contact, even where nothing moves sideways.
+        add_friction(
+            draft,
+            at,
+            bodies=_teeth(draft, at),
+            law=effects["mesh_law"],
+            place=_in_plane(draft, at, geometry, effects["mesh_law"]),
+        )
+    if at.wheels[0].teeth is not None:
+        _phase(draft, at)
+
+
+def _sense(draft: Draft, at: MeshPlace) -> int:
+    """Return the sense in which gear 1 turns against the line of centres at the start."""
+    stage = at.name.split(".")[0]
+    relative = draft.rigid.ratios[at.members[0]] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
+    return -1 if relative * (draft.rigid.speed or 1.0) < 0 else 1
+
+
+def _in_plane(draft: Draft, at: MeshPlace, geometry: gears.MeshGeometry, law: str) -> dict[str, str]:
+    """Bind the line of centres and what the law measures deflections from."""
+    bind = {
+        "e_x": draft.number(f"{at.label}.e_x", cos(at.direction), ""),
+        "e_y": draft.number(f"{at.label}.e_y", sin(at.direction), ""),
         "Delta_gamma_0": TURN,
     }
     if law == "involute":
-        bind["inv_0"] = draft.number(f"{name}.inv_alpha_0", gears.involute(geometry.alpha), "rad")
+        bind["inv_0"] = draft.number(f"{at.name}.inv_alpha_0", gears.involute(geometry.alpha), "rad")
     else:
-        bind["d_0"] = draft.number(f"{name}.center_distance", geometry.distance, "m")
-    share = 1.0 if double is None else single_share(stage, mesh, *wheels, sigma)
-    mean = _stiffness(draft, name, single, double, share, switched, bind)
-    if draft.on("mesh_damping"):
-        _mesh_damping(draft, name, mesh, bodies, geometry, mean, bind)
-    kind = "external" if sigma > 0 else "internal"
-    _contact(draft, name, label, mesh, bodies, (kind, law, switched, "c" in bind), bind)
-    if draft.scene.effects["mesh_friction"] == "pitch-point" and mesh.friction is not None:
-        bind.pop("c", None)
-        bind |= {
-            "mu": draft.number(f"{name}.friction.coefficient", mesh.friction.coefficient, ""),
-            "v_0": draft.number(f"{name}.friction.speed", mesh.friction.speed, "m/s"),
-            "c_t": draft.number(f"{name}.friction.damping", mesh.friction.damping or 0.0, "N*s/m"),
-        }
-        draft.place(label, ("mesh_friction", kind, law, switched), bodies, **bind)
-    if wheels[0].teeth is not None:
-        _phase(draft, name, label, mesh, bodies[0], wheels[0].teeth, direction, switched)
+        bind["d_0"] = draft.number(f"{at.name}.center_distance", geometry.distance, "m")
+    return bind
+
+
+def _teeth(draft: Draft, at: MeshPlace) -> tuple[str, ...]:
+    """Return the bodies that carry the teeth: the gears, or points beside the axes of eccentric ones."""
+    return tuple(
+        member if item is None or not draft.on("eccentricity") else _eccentric(draft, member, item)
+        for member, item in zip(at.members, _eccentricities(at), strict=True)
+    )
+
+
+def _eccentricities(at: MeshPlace) -> list[Eccentricity | None]:
+    """Return the eccentricities of a mesh's gears."""
+    found: list[Eccentricity | None] = [gear.eccentricity for gear in at.wheels]
+    if isinstance(at.stage, Planetary):
+        number = int(at.label.rsplit(".", 1)[1])
+        found[1] = next((item for item in at.stage.eccentricities if item.planet == number), None)
+    return found
+
+
+def _eccentric(draft: Draft, member: str, item: Eccentricity) -> str:
+    """Add the centre of an eccentric gear's teeth, once for all its meshes."""
+    name = f"{member}.teeth"
+    if name not in {body.name for body in draft.bodies}:
+        gear = next(body for body in draft.bodies if body.name == member)
+        place = (
+            draft.number(f"{name}.x_0", item.radius * cos(item.angle), "m"),
+            draft.number(f"{name}.y_0", item.radius * sin(item.angle), "m"),
+        )
+        leader = gear.leader or gear.name
+        draft.bodies.append(
+            Body(name, False, "point", None, None, gear.ratio, place, gear.frame, leader, gear.name)
+        )  # fmt: skip
+    return name
 
 
 def _contact(
-    draft: Draft, name: str, label: str, mesh: Mesh, bodies: tuple[str, str], form: tuple[str | bool, ...],
-    bind: dict[str, str],
+    draft: Draft, at: MeshPlace, bodies: tuple[str, ...], form: tuple[str | bool, ...],
+    extra: tuple[bool, bool], bind: dict[str, str],
 ) -> None:  # fmt: skip
     """Place a mesh: bilateral, on one flank, or on both flanks with a gap before the one not loaded."""
     contact = draft.scene.effects["contact"]
     if contact == "bilateral":
-        draft.place(label, ("mesh", *form), bodies, **bind)
+        draft.place(at.label, ("mesh", *form, "bilateral", *extra), bodies, **bind)
         return
-    draft.place(label, ("mesh", *form, "one-flank"), bodies, pull=draft.number("contact.pull", 0.0, ""), **bind)
+    pull = draft.number("contact.pull", 0.0, "")
+    draft.place(at.label, ("mesh", *form, "one-flank", *extra), bodies, pull=pull, **bind)
     if contact == "backlash":
         back = {
-            "s": draft.number(f"{name}.other_flank", -draft.parameters[f"{name}.flank"].value, ""),
-            "gap": draft.number(f"{name}.backlash", mesh.backlash, "m"),
+            "s": draft.number(f"{at.name}.other_flank", -draft.parameters[f"{at.name}.flank"].value, ""),
+            "gap": draft.number(f"{at.name}.backlash", at.mesh.backlash, "m"),
         }
-        draft.place(label + BACK, ("mesh", *form, "gap"), bodies, **bind | back)
+        draft.place(at.label + BACK, ("mesh", *form, "gap", *extra), bodies, **bind | back)
 
 
-def _stiffness(
-    draft: Draft, name: str, single: float, double: float | None, share: float, switched: bool, bind: dict[str, str]
-) -> float:
-    """Bind the stiffness (one value, or two and a level) and return its mean over a pitch [N/m]."""
-    mean = single if double is None else single * share + double * (1 - share)
-    if not switched:
-        bind["k"] = draft.number(f"{name}.stiffness", mean, "N/m")
-        return mean
-    bind["k_1"] = draft.number(f"{name}.stiffness_single", single, "N/m")
-    bind["k_2"] = draft.number(f"{name}.stiffness_double", double or single, "N/m")
-    bind["level"] = LEVEL
-    draft.number(f"{name}.single_share", share, "")
-    return mean
-
-
-def _mesh_damping(
-    draft: Draft, name: str, mesh: Mesh, bodies: tuple[str, str], geometry: gears.MeshGeometry, mean: float,
-    bind: dict[str, str],
-) -> None:  # fmt: skip
-    """Bind the mesh damper: given, or 2 zeta sqrt(k m) on the gears' equivalent mass 1/(r1^2/I1 + r2^2/I2)."""
-    value = mesh.damping
-    if value is None and mesh.damping_ratio is not None:
+def _mesh_damping(draft: Draft, at: MeshPlace, geometry: gears.MeshGeometry, mean: float, bind: dict[str, str]) -> None:
+    """Bind the mesh damper: Rayleigh's, given, or 2 zeta sqrt(k m) on the equivalent mass 1/(r1^2/I1 + r2^2/I2)."""
+    factors = rayleigh_of(draft)
+    value = at.mesh.damping if factors is None else factors.stiffness * mean
+    if value is None and at.mesh.damping_ratio is not None:
         everyone = train.members(draft.scene)
-        kin = [body if body in everyone else body.rsplit(".", 1)[0] for body in bodies]
+        kin = [body if body in everyone else body.rsplit(".", 1)[0] for body in at.members]
         one, two = (swinging(draft, key) for key in kin)
         mass = reduced(one / geometry.r1**2, two / geometry.r2**2)
-        value = 2 * mesh.damping_ratio * sqrt(mean * mass)
+        value = 2 * at.mesh.damping_ratio * sqrt(mean * mass)
     if value:
-        bind["c"] = draft.number(f"{name}.damping", value, "N*s/m")
+        bind["c"] = draft.number(f"{at.name}.damping", value, "N*s/m")
 
 
-def _phase(
-    draft: Draft, name: str, label: str, mesh: Mesh, gear: str, teeth: int, direction: float, switched: bool
-) -> None:
+def _phase(draft: Draft, at: MeshPlace) -> None:
     """Note the mesh phase: teeth of gear 1 that have passed the line of centres (eqs 10-11).
 
     It counts up in the sense in which the gears turn at the start, so that every mesh begins with the
     single contact of eq 9, shifted by its planet's place; ``teeth_1`` is negative where that is clockwise.
     """
-    stage = name.split(".")[0]
-    relative = draft.rigid.ratios[gear] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
-    sense = -teeth if relative * (draft.rigid.speed or 1.0) < 0 else teeth
-    per_turn = draft.number(f"{name}.teeth_1", sense, "")
-    start = draft.number(f"{label}.phase", mesh.phase - sense * direction / (2 * pi), "")
-    draft.rollings.append(Rolling(label, per_turn, gear, start))
-    if not switched:
+    stage = at.name.split(".")[0]
+    relative = draft.rigid.ratios[at.members[0]] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
+    teeth = at.sense * (at.wheels[0].teeth or 0)
+    per_turn = draft.number(f"{at.name}.teeth_1", teeth, "")
+    start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.direction / (2 * pi), "")
+    rolled = start
+    if not at.in_plane and (turn := pin_turn(draft, at)):
+        # A mesh that knows angles only does not see where its pin stands.
+        before = at.mesh.phase - teeth * (at.direction + turn) / (2 * pi)
+        rolled = draft.number(f"{at.label}.rolled_phase", before, "")
+    draft.rollings.append(Rolling(at.label, per_turn, at.members[0], rolled))
+    followed = any(profile.mesh == at.label for profile in draft.profiles)
+    if followed:
+        draft.number(VARYING, 1.0, "")
+    followed |= any(i.name.removesuffix(BACK) == at.label and PHASE in i.bind.values() for i in draft.instances)
+    if not (at.switched or followed):
         return
     runs = draft.rigid.mode != "rest" and relative != 0.0
-    rate = draft.number(f"{name}.cycles", sense * relative / (2 * pi), "1/rad") if runs else None
-    draft.levels.append(Level(label, rate, start, f"{name}.single_share"))
+    rate = draft.number(f"{at.name}.cycles", teeth * relative / (2 * pi), "1/rad") if runs else None
+    if at.switched:
+        draft.levels.append(Level(at.label, rate, start, f"{at.name}.single_share"))
+    if followed:
+        draft.phases.append(Phase(at.label, rate, start, rolled))

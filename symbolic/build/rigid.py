@@ -42,7 +42,8 @@ def rigid_pins(scene: Scene) -> bool:
 
 def in_plane(scene: Scene) -> bool:
     """Tell whether the places of gears matter: not, where nothing moves sideways and meshes need angles only."""
-    return scene.effects["lateral"] == "on" or scene.effects["mesh_friction"] != "off"
+    effects = scene.effects
+    return effects["lateral"] == "on" or effects["mesh_friction"] != "off" or effects["eccentricity"] == "on"
 
 
 def pin_offset(scene: Scene, stage: Planetary, number: int) -> tuple[float, float]:

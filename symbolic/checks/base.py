@@ -40,15 +40,20 @@ def judged(name: str, value: float, tolerance: float, note: str) -> Check:
 
 TITLES = {
     "mesh_friction": "mesh friction",
+    "mesh_sliding": "mesh sliding friction",
     "pin": "planet bearing",
     "pin_friction": "planet bearing friction",
     "ground_bearing": "housing bearing",
+    "pin_clearance": "planet bearing with clearance",
+    "pin_clearance_friction": "friction of the planet bearing with clearance",
+    "ground_clearance": "housing bearing with clearance",
     "coupling": "shaft coupling",
     "torsional_support": "torsional support",
     "drag": "rotor drag",
     "external_torque": "load torque",
     "slip_torque": "slip law",
     "gravity": "weight",
+    "rayleigh": "Rayleigh damping by mass",
 }
 
 
@@ -58,9 +63,14 @@ def title(key: Key) -> str:
     words = [str(option) for option in key[1:] if isinstance(option, str)]
     flags = [option for option in key[1:] if isinstance(option, bool)]
     extra = []
-    if key[0] in ("mesh", "mesh_friction"):
-        extra = [f"{words.pop(1)} law", "two-level stiffness" if flags.pop(0) else "constant stiffness", *words[1:]]
+    if key[0] in ("mesh", "mesh_friction", "mesh_sliding"):
+        extra = [f"{words.pop(1)} law", "two-level stiffness" if flags.pop(0) else "one stiffness", *words[1:]]
         words = words[:1]
+    if key[0] == "mesh":
+        flags, told = flags[:1], zip(flags[1:], ("errors", "torque of the stiffness"), strict=False)
+        extra += [word for flag, word in told if flag]
+    if key[0] in ("mesh_friction", "mesh_sliding"):
+        extra, flags = [*extra, *("errors" for flag in flags if flag)], []
     extra += ["damped" if flag else "undamped" for flag in flags]
     return " ".join([*words, name]) + (f" ({', '.join(extra)})" if extra else "")
 

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from ..elements import Element, make
 from ..elements.base import COORDINATE_UNITS, RATE_UNITS
+from ..elements.contact import Given
 from ..lower import lower
-from ..model import TURN, Instance, Model
+from ..model import ERROR_RATE, TURN, Instance, Model
 from ..units import dimension
 from .base import Check, Writer, element_types, judged, title
 
@@ -26,6 +27,8 @@ STATES, SIZE, RATE, OBLIQUE = 20, 1e-4, 1e-1, 0.7
 TOLERANCE, UNIT_TOLERANCE = 1e-10, 1e-9
 FACTORS = {"length": 1.7, "mass": 0.6, "time": 1.3}
 RESULTS = ("wrench", "potential", "dissipation")
+GIVEN = {TURN: 0.0, ERROR_RATE: 0.0}
+"""What is no random number: frames at their start, and errors of teeth that stand, since moving ones give power."""
 
 
 def _turned(x: Array, y: Array) -> tuple[Array, Array]:
@@ -54,9 +57,8 @@ class Bench:
     def _draw(self, instance: Instance, model: Model) -> Array:
         """Draw coordinates, rates and parameters: one row an argument, one column a state."""
         rng = np.random.default_rng(20210611)
-        numbers, bodies = model.values(), {body.name: body for body in model.bodies}
-        places = [bodies[name].place for name in instance.bodies]
-        nominal = [(numbers[p[0]], numbers[p[1]], 0.0) if p else (0.0, 0.0, 0.0) for p in places]
+        numbers = model.values()
+        nominal = [(*model.nominal_place(name), 0.0) for name in instance.bodies]
         rows = {
             symbol.name: value + SIZE * rng.uniform(-1.0, 1.0, STATES)
             for port, place in zip(self.element.ports, nominal, strict=True)
@@ -64,7 +66,7 @@ class Bench:
         }
         rows |= {symbol.name: RATE * rng.uniform(-1.0, 1.0, STATES) for symbol in self.element.velocities}
         for symbol in self.element.parameters:
-            known = (numbers | {TURN: 0.0}).get(instance.bind[symbol.name])
+            known = (numbers | GIVEN).get(instance.bind[symbol.name])
             rows[symbol.name] = rng.uniform(0.0, 1.0, STATES) if known is None else np.full(STATES, known)
         pairs = [(port.x.name, port.y.name) for port in self.element.ports] + [("e_x", "e_y"), ("x_0", "y_0")]
         for x, y in pairs:
@@ -78,7 +80,12 @@ class Bench:
         element = self.element
         leaves = {symbol: ca.SX.sym(symbol.name) for symbol in element.arguments}
         reports = [output.expression for output in element.outputs.values()]
-        values = lower([*element.wrench, element.potential, element.dissipation, *reports], leaves)
+        start, potential = sp.Symbol("z_0"), element.potential
+        given = list(potential.atoms(Given))
+        for item in given:  # beside where it stands, it follows its slope
+            potential = potential.subs(item, item.args[1] + item.args[2] * (item.args[0] - start))
+        here = leaves | {start: ca.SX.sym("z_0")}
+        values = lower([*element.wrench, potential, element.dissipation, *reports], here)
         wrench, (potential, dissipation, *rest) = (
             ca.vertcat(*values[: len(element.wrench)]),
             values[len(element.wrench) :],
@@ -86,6 +93,9 @@ class Bench:
         q = ca.vertcat(*(leaves[symbol] for symbol in element.coordinates))
         v = ca.vertcat(*(leaves[symbol] for symbol in element.velocities))
         gradient, loss = ca.gradient(potential, q), ca.dot(ca.gradient(dissipation, v), v)
+        if given:
+            place = lower([given[0].args[0]], leaves)[0]
+            gradient, potential = ca.substitute([gradient, potential], [here[start]], [place])
         return ca.Function(
             "bench", [ca.vertcat(*leaves.values())],
             [wrench, potential, dissipation, ca.vertcat(*rest), gradient, loss],
@@ -131,14 +141,17 @@ def conservative_force(bench: Bench) -> Check:
 
 
 def action_and_reaction(bench: Bench) -> list[Check]:
-    """Check that the two bodies of an element push each other equally, and about the same line."""
-    wrench = bench.values()["wrench"]
-    fx1, fy1, torque1, fx2, fy2, torque2 = wrench
-    pole = np.random.default_rng(1).uniform(-1.0, 1.0, (2, STATES)) * np.abs(bench.arguments[[0, 1, 3, 4]]).max()
-    (x1, y1), (x2, y2) = bench.arguments[:2] - pole, bench.arguments[3:5] - pole
-    push = np.array([fx1 + fx2, fy1 + fy2])
-    arms = np.array([torque1, torque2, x1 * fy1 - y1 * fx1, x2 * fy2 - y2 * fx2])
-    force = np.max(np.abs(wrench[[0, 1, 3, 4]]), axis=0, keepdims=True)
+    """Check that the bodies of an element push each other equally, and about the same line."""
+    wrench, count = bench.values()["wrench"], len(bench.element.ports)
+    fx, fy, torque = wrench[0::3], wrench[1::3], wrench[2::3]
+    places = bench.arguments[: 3 * count]
+    pole = (
+        np.random.default_rng(1).uniform(-1.0, 1.0, (2, STATES)) * np.abs(np.vstack([places[0::3], places[1::3]])).max()
+    )
+    x, y = places[0::3] - pole[0], places[1::3] - pole[1]
+    push = np.array([fx.sum(axis=0), fy.sum(axis=0)])
+    arms = np.vstack([torque, x * fy - y * fx])
+    force = np.max(np.abs(np.vstack([fx, fy])), axis=0, keepdims=True)
     note = f"{STATES} random states; sum over the largest part"
     return [
         judged(f"{bench.label}: action equals reaction", relative(push, force, force), TOLERANCE, note),
@@ -209,7 +222,7 @@ def element_physics(bench: Bench) -> list[Check]:
     checks = []
     if element.gradient and element.potential != 0:
         checks.append(conservative_force(bench))
-    if len(element.ports) == 2:
+    if len(element.ports) > 1 and element.closed:
         checks += action_and_reaction(bench)
     if sp.sympify(element.dissipation) != 0 and not element.load:
         checks += dissipated_power(bench)

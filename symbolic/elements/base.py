@@ -58,7 +58,8 @@ class Element:
     and ``wrench`` is what Newton's laws need: force and torque on each port, written by hand.
     ``checks.agree`` proves that they are the same. An element is frame-invariant (it may be
     evaluated in a turning basis) unless ``rates`` is ``"absolute"``, in which case velocities
-    must be those against the ground, resolved in the basis.
+    must be those against the ground, resolved in the basis, or ``"deviation"``, in which case they
+    must be those in the turning frame, whatever the basis.
 
     Attributes
     ----------
@@ -80,6 +81,8 @@ class Element:
         False where the wrench is not the gradient of the potential by design (the paper's mesh law).
     load
         True where it acts from outside: its power is given to the train, its energies are no energy of the train.
+    closed
+        False where the housing takes a part that is not written, so that the ports alone are not in balance.
     """
 
     name: str
@@ -93,6 +96,7 @@ class Element:
     rates: str = "frame"
     gradient: bool = True
     load: bool = False
+    closed: bool = True
 
     @property
     def coordinates(self) -> tuple[sp.Symbol, ...]:

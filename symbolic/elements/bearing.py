@@ -1,5 +1,7 @@
 """Bearings: of a planet on its carrier (pin), and of a member in the housing."""
 
+from collections.abc import Mapping
+
 import sympy as sp
 
 from .base import Element, LogCosh, Output, Port, positive, real
@@ -22,13 +24,18 @@ def pin_deflection() -> tuple[sp.Expr, sp.Expr]:
     return PLANET.x - CARRIER.x - ax, PLANET.y - CARRIER.y - ay
 
 
+def pin_speed() -> tuple[sp.Expr, sp.Expr]:
+    """Return the planet's velocity against the turning carrier."""
+    rx, ry = PLANET.x - CARRIER.x, PLANET.y - CARRIER.y
+    return PLANET.vx - CARRIER.vx + CARRIER.omega * ry, PLANET.vy - CARRIER.vy - CARRIER.omega * rx
+
+
 def pin(damped: bool) -> Element:
     """Write the planet bearing, eqs 29-30; its damper sees the motion against the turning carrier."""
     ux, uy = pin_deflection()
     ax, ay = pin_place()
     rx, ry = PLANET.x - CARRIER.x, PLANET.y - CARRIER.y
-    vx = PLANET.vx - CARRIER.vx + CARRIER.omega * ry
-    vy = PLANET.vy - CARRIER.vy - CARRIER.omega * rx
+    vx, vy = pin_speed()
     c = C if damped else sp.S.Zero
     fx, fy = K * ux + c * vx, K * uy + c * vy
     torque = ax * K * uy - ay * K * ux + c * (rx * vy - ry * vx)
@@ -46,23 +53,26 @@ def pin(damped: bool) -> Element:
 
 def pin_friction() -> Element:
     """Write the friction torque of the planet bearing, eq 30 with the speed's sign made dissipative."""
+    return rubbing_pin("pin_friction", K, {K: "N/m", X0: "m", Y0: "m"})
+
+
+def rubbing_pin(name: str, k: sp.Expr, parameters: Mapping[sp.Symbol, str]) -> Element:
+    """Write the friction torque of a planet bearing whose force is k times its displacement."""
     ux, uy = pin_deflection()
-    load = sp.sqrt((K * ux) ** 2 + (K * uy) ** 2 + EPS**2)
+    load = sp.sqrt((k * ux) ** 2 + (k * uy) ** 2 + EPS**2)
     speed = PLANET.omega - CARRIER.omega
     torque = -(MU * load * DB / 2 * sp.tanh(speed / OMEGA0) + CR * speed)
     zero = sp.S.Zero
     return Element(
-        name="pin_friction",
+        name=name,
         ports=(CARRIER, PLANET),
-        parameters={
-            K: "N/m", X0: "m", Y0: "m", MU: "", DB: "m", CR: "N*m*s/rad", OMEGA0: "rad/s", EPS: "N",
-        },
+        parameters={**parameters, MU: "", DB: "m", CR: "N*m*s/rad", OMEGA0: "rad/s", EPS: "N"},
         dissipation=MU * load * DB / 2 * OMEGA0 * LogCosh(speed / OMEGA0) + CR * speed**2 / 2,
         wrench=(zero, zero, -torque, zero, zero, torque),
         outputs={"friction_torque": Output(torque, "N*m")},
         rates="absolute",
         source="Wu et al. 2021 eq 30, sign made dissipative and the load's root kept off zero by F_0",
-    )  # fmt: skip
+    )
 
 
 def ground_bearing(damped: bool) -> Element:

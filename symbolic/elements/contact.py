@@ -45,3 +45,13 @@ class NotBelowLoss(sp.Function):  # type: ignore[misc]
             raise sp.function.ArgumentIndexError(self, argindex)
         rate, damping, floor = self.args
         return NotBelow(damping * rate, floor)
+
+
+class Given(sp.Function):  # type: ignore[misc]
+    """A quantity that is computed elsewhere, over an argument z: its arguments are z, its value and its slope there."""
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Return the slope; the value's own argument is not varied."""
+        if argindex != 1:
+            raise sp.function.ArgumentIndexError(self, argindex)
+        return self.args[2]

@@ -17,7 +17,8 @@ the torques are :math:`-s r_1 N` and :math:`-\sigma s r_2 N` (eqs 12, 13, 25, 26
 
 A bilateral mesh (the paper's) may pull; a one-flank mesh has :math:`N = k\langle\delta\rangle` and a damper
 that acts in contact only and never makes N negative (``pull``, 0 in every run, lets it pull while the
-loaded equilibrium is sought). Backlash is two one-flank meshes, on s and -s, whose
+loaded equilibrium is sought). Errors of the teeth take their :math:`e` from the deflection and
+:math:`\dot e` from its rate. Backlash is two one-flank meshes, on s and -s, whose
 gap :math:`j` (along the line of action) is taken from the deflection of the second.
 """
 
@@ -26,7 +27,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from .base import Element, Output, Port, positive, real
-from .contact import HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
+from .contact import Given, HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
 
 SIGN = {"external": 1, "internal": -1}
 
@@ -66,15 +67,16 @@ class Geometry:
         )
 
 
-ONE, TWO = Port.numbered(1), Port.numbered(2)
+ONE, TWO, THREE = Port.numbered(1), Port.numbered(2), Port.numbered(3)
 R1, R2, D0, K, K1, K2, C = (positive(n) for n in ("r_1", "r_2", "d_0", "k", "k_1", "k_2", "c"))
-S, EX, EY, TURN, INV0, LEVEL, GAP, PULL = (
-    real(n) for n in ("s", "e_x", "e_y", "Delta_gamma_0", "inv_0", "level", "gap", "pull")
+S, EX, EY, TURN, INV0, LEVEL, GAP, PULL, ERROR, ERROR_RATE, SLOPE, TEETH = (
+    real(n) for n in ("s", "e_x", "e_y", "Delta_gamma_0", "inv_0", "level", "gap", "pull", "e", "e_d", "k_d", "z_1")
 )
 
 UNITS = {
     R1: "m", R2: "m", D0: "m", K: "N/m", K1: "N/m", K2: "N/m", C: "N*s/m",
-    S: "", EX: "", EY: "", TURN: "rad", INV0: "rad", GAP: "m", PULL: "", LEVEL: "",
+    S: "", EX: "", EY: "", TURN: "rad", INV0: "rad", GAP: "m", ERROR: "m", ERROR_RATE: "m/s",
+    SLOPE: "N/m", TEETH: "", PULL: "", LEVEL: "",
 }  # fmt: skip
 
 
@@ -116,7 +118,59 @@ def used(*expressions: sp.Expr) -> dict[sp.Symbol, str]:
     return {symbol: unit for symbol, unit in UNITS.items() if symbol in free}
 
 
-def mesh(kind: str, law: str, switched: bool, damped: bool, contact: str = "bilateral") -> Element:
+@dataclass(frozen=True)
+class MeshLaw:
+    """How motions become deflection [m] and its rate, and what acts on the ports.
+
+    ``pressed`` is what a normal force of 1 N does, ``rolled`` what 1 N m does against the rolling angle of gear 1,
+    which it measures from the line of centres.
+    """
+
+    ports: tuple[Port, ...]
+    deflection: sp.Expr
+    rate: sp.Expr
+    pressed: tuple[sp.Expr, ...]
+    rolling: sp.Expr
+    rolled: tuple[sp.Expr, ...]
+    outputs: dict[str, Output]
+
+
+def plane_law(kind: str, law: str) -> MeshLaw:
+    """Write the law of a mesh whose gears move in the plane."""
+    g = geometry(kind)
+    nx, ny = g.normal
+    pressed = (-nx, -ny, -S * R1, nx, ny, -g.sigma * S * R2)
+    across = g.dy / g.d**2, -g.dx / g.d**2
+    rolled = (*across, -sp.S.One, -across[0], -across[1], sp.S.Zero)
+    seen = {"pressure_angle": Output(g.alpha, "rad")}
+    return MeshLaw((ONE, TWO), deflection(kind, law), approach(kind), pressed, ONE.theta - g.turned, rolled, seen)
+
+
+def torsional_law(kind: str, orbiting: bool) -> MeshLaw:
+    r"""Write the law of a mesh whose gears only turn.
+
+    :math:`\delta = s\,[r_1(\theta_1-\theta_3)+\sigma r_2(\theta_2-\theta_3)]`: the line of centres turns with
+    body 3, the carrier, where body 2 is a planet (``orbiting``), else it stands.
+    """
+    sigma, zero = SIGN[kind], sp.S.Zero
+    ports = (ONE, TWO, THREE) if orbiting else (ONE, TWO)
+    turn, speed = (THREE.theta, THREE.omega) if orbiting else (zero, zero)
+    delta, rate = (
+        S * (R1 * (one - line) + sigma * R2 * (two - line))
+        for one, two, line in ((ONE.theta, TWO.theta, turn), (ONE.omega, TWO.omega, speed))
+    )
+    torques = (-S * R1, -sigma * S * R2, S * (R1 + sigma * R2))
+    pressed, rolled = (
+        tuple(value for torque in each[: len(ports)] for value in (zero, zero, torque))
+        for each in (torques, (-sp.S.One, zero, sp.S.One))
+    )
+    return MeshLaw(ports, delta, rate, pressed, ONE.theta - turn, rolled, {})
+
+
+def mesh(
+    kind: str, law: str, switched: bool, damped: bool, contact: str = "bilateral", error: bool = False,
+    followed: bool = False,
+) -> Element:  # fmt: skip
     """Write one mesh type.
 
     Parameters
@@ -124,48 +178,58 @@ def mesh(kind: str, law: str, switched: bool, damped: bool, contact: str = "bila
     kind
         ``external`` or ``internal``.
     law
-        ``involute`` or ``paper``.
+        ``involute`` or ``paper``; ``torsional`` or ``orbiting`` where gears only turn, see `torsional_law`.
     switched
         Whether the stiffness follows a level.
     damped
         Whether a damper c acts along the line of action.
     contact
         ``bilateral``, ``one-flank``, or ``gap`` (one flank behind a gap).
+    error
+        Whether errors of the teeth take ``e`` from the deflection.
+    followed
+        Whether the stiffness is one of gear 1's own rolling angle, so that its slope is a torque on it.
     """
-    g = geometry(kind)
-    delta = deflection(kind, law) - (GAP if contact == "gap" else 0)
-    rate, k = approach(kind), stiffness(switched)
-    damping = C if damped else sp.S.Zero
-    if contact == "bilateral":
-        potential, loss = k * delta**2 / 2, damping * rate**2 / 2
-        force = k * delta + damping * rate
-    else:
-        pull = sp.S.Zero if contact == "gap" else PULL
-        potential, loss = k * (HalfSquare(delta) + pull * HalfSquare(-delta)), sp.S.Zero
-        force = k * (Ramp(delta) - pull * Ramp(-delta))
-        if damped:
-            force += Step(delta) * NotBelow(C * rate, -k * delta)
-            loss = Step(delta) * NotBelowLoss(rate, C, -k * delta)
-    nx, ny = g.normal
-    wrench = (
-        -force * nx, -force * ny, -S * R1 * force,
-        force * nx, force * ny, -g.sigma * S * R2 * force,
-    )  # fmt: skip
+    written = torsional_law(kind, law == "orbiting") if law in ("torsional", "orbiting") else plane_law(kind, law)
+    delta, rate = written.deflection, written.rate
+    if contact == "gap":
+        delta -= GAP
+    if error:
+        delta, rate = delta - ERROR, rate - ERROR_RATE
+    k = Given(TEETH * written.rolling / (2 * sp.pi), K, SLOPE) if followed else stiffness(switched)
+    force, stored, loss = normal_force(delta, rate, k, damped, contact)
+    turn = stored * SLOPE * TEETH / (2 * sp.pi) if followed else sp.S.Zero
+    wrench = tuple(force * one + turn * two for one, two in zip(written.pressed, written.rolled, strict=True))
     suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
+    suffix += "_error" * error + "_followed" * followed
     return Element(
         name=f"mesh_{kind}_{law}" + "_switched" * switched + "_damped" * damped + suffix,
-        ports=(ONE, TWO),
+        ports=written.ports,
         parameters=used(*wrench),
-        potential=potential,
+        potential=k * stored,
         dissipation=loss,
         wrench=wrench,
-        outputs={
-            "force": Output(force, "N"),
-            "deflection": Output(delta, "m"),
-            "pressure_angle": Output(g.alpha, "rad"),
-            "rolling": Output(ONE.theta - g.turned, "rad"),
-        }
+        outputs={"force": Output(force, "N"), "deflection": Output(delta, "m")}
+        | written.outputs
+        | {"rolling": Output(written.rolling, "rad")}
         | ({} if contact == "bilateral" else {"contact": Output(Step(delta), "")}),
-        source="Wu et al. 2021 eqs 2-13 and 16-26; damper along the line of action: assumed form",
-        gradient=law == "involute",
+        source="Wu et al. 2021 eqs 2-13 and 16-26; damper along the line of action: assumed form; torque of a "
+        "stiffness that follows the gear: Oh, Grosh and Barber 2005, J. Vib. Acoust. 127:208",
+        gradient=law != "paper",
+        closed=law != "torsional",
     )
+
+
+def normal_force(
+    delta: sp.Expr, rate: sp.Expr, k: sp.Expr, damped: bool, contact: str
+) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """Return the normal force [N], its potential over the stiffness [m^2] and its dissipation function [W]."""
+    if contact == "bilateral":
+        damping = C if damped else sp.S.Zero
+        return k * delta + damping * rate, delta**2 / 2, damping * rate**2 / 2
+    pull = sp.S.Zero if contact == "gap" else PULL
+    force, loss = k * (Ramp(delta) - pull * Ramp(-delta)), sp.S.Zero
+    if damped:
+        force += Step(delta) * NotBelow(C * rate, -k * delta)
+        loss = Step(delta) * NotBelowLoss(rate, C, -k * delta)
+    return force, HalfSquare(delta) + pull * HalfSquare(-delta), loss

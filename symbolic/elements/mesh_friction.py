@@ -8,13 +8,15 @@ relative speed :math:`v_t` of the two bodies at the pitch point, at a right angl
           v_t = \dot d\cos\alpha + \sigma s \tan\alpha\,
           [r_1(\omega_1-\dot\gamma) + \sigma r_2(\omega_2-\dot\gamma)],
 
-with the paper's moment arms :math:`r\tan\alpha` (eqs 32, 34). N is the spring's part of the normal force.
+with the paper's moment arms :math:`r\tan\alpha` (eqs 32, 34). N is the spring's part of the normal force,
+nothing where teeth have parted.
 """
 
 import sympy as sp
 
 from .base import Element, LogCosh, Output, positive
-from .mesh import ONE, R1, R2, TWO, UNITS, S, deflection, geometry, stiffness
+from .contact import Ramp
+from .mesh import ERROR, GAP, ONE, R1, R2, TWO, UNITS, S, deflection, geometry, stiffness
 
 MU, CT, V0 = (positive(n) for n in ("mu", "c_t", "v_0"))
 
@@ -27,10 +29,16 @@ def sliding_speed(kind: str) -> sp.Expr:
     return mx * (TWO.vx - ONE.vx) + my * (TWO.vy - ONE.vy) + turning
 
 
-def mesh_friction(kind: str, law: str, switched: bool) -> Element:
+def pressed(kind: str, law: str, switched: bool, contact: str, error: bool) -> sp.Expr:
+    """Return |N| [N], the spring's part; of a mesh on one flank only where it is in contact."""
+    delta = deflection(kind, law) - (ERROR if error else 0) - (GAP if contact == "gap" else 0)
+    return stiffness(switched) * (sp.Abs(delta) if contact == "bilateral" else Ramp(delta))
+
+
+def mesh_friction(kind: str, law: str, switched: bool, contact: str = "bilateral", error: bool = False) -> Element:
     """Write the pitch-point friction of one mesh type (arguments as in ``mesh``)."""
     g = geometry(kind)
-    normal = sp.Abs(stiffness(switched) * deflection(kind, law))
+    normal = pressed(kind, law, switched, contact, error)
     speed = sliding_speed(kind)
     force = -(MU * normal * sp.tanh(speed / V0) + CT * speed)
     mx, my = g.along
@@ -41,8 +49,9 @@ def mesh_friction(kind: str, law: str, switched: bool) -> Element:
     )  # fmt: skip
     free = set().union(*(e.free_symbols for e in wrench))
     units = UNITS | {MU: "", CT: "N*s/m", V0: "m/s"}
+    suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
     return Element(
-        name=f"mesh_friction_{kind}_{law}" + "_switched" * switched,
+        name=f"mesh_friction_{kind}_{law}" + "_switched" * switched + suffix + "_error" * error,
         ports=(ONE, TWO),
         parameters={symbol: unit for symbol, unit in units.items() if symbol in free},
         dissipation=MU * normal * V0 * LogCosh(speed / V0) + CT * speed**2 / 2,

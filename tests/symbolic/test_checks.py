@@ -45,9 +45,9 @@ SCENES = {name: (name, {}) for name in shipped_scenes()} | {
     "paper law, pair": ("psh", PAPER),
     "paper law, unloaded": ("lin-parker-4", PAPER),
 }
-EXTERNAL: Key = ("mesh", "external", "involute", True, True)
-INTERNAL: Key = ("mesh", "internal", "involute", False, True)
-PRINTED: Key = ("mesh", "external", "paper", True, True)
+EXTERNAL: Key = ("mesh", "external", "involute", True, True, "bilateral", False, False)
+INTERNAL: Key = ("mesh", "internal", "involute", False, True, "bilateral", False, False)
+PRINTED: Key = ("mesh", "external", "paper", True, True, "bilateral", False, False)
 PIN: Key = ("pin", True)
 
 
@@ -312,7 +312,9 @@ def test_a_force_that_is_no_slope_is_seen(key: Key) -> None:
     assert not physics.conservative_force(bench_of(key, with_component(element, number))).passed
 
 
-@pytest.mark.parametrize("key", [EXTERNAL, INTERNAL, PIN, ("mesh_friction", "external", "involute", True)])
+@pytest.mark.parametrize(
+    "key", [EXTERNAL, INTERNAL, PIN, ("mesh_friction", "external", "involute", True, "bilateral", False)]
+)
 def test_unequal_reaction_is_seen(key: Key) -> None:
     push, moment = physics.action_and_reaction(bench_of(key, with_component(make(key), 3, 1 + 1e-8)))
     assert not push.passed
@@ -341,7 +343,9 @@ def test_damper_that_feeds_energy_is_seen(key: Key) -> None:
     assert (feeds.passed, booked.passed) == (False, False)
 
 
-@pytest.mark.parametrize("key", [("mesh_friction", "external", "involute", True), ("pin_friction",)])
+@pytest.mark.parametrize(
+    "key", [("mesh_friction", "external", "involute", True, "bilateral", False), ("pin_friction",)]
+)
 def test_friction_with_the_papers_sign_is_seen(key: Key) -> None:
     broken = replace(make(key), wrench=tuple(-component for component in make(key).wrench))
     assert not physics.dissipated_power(bench_of(key, broken))[0].passed

@@ -1,0 +1,1 @@
+"""Benchmarks: what effects and methods cost, written into docs/ by scripts."""

@@ -1,0 +1,122 @@
+"""Ladder: the rig from mean stiffness to everything, rung by rung (``python -m benchmarks.ladder``).
+
+It prints the table and writes it between the marks of docs/ladder.md.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from ltcgear.generated import store
+from ltcgear.runtime.cost import MEASURES, ROUNDS, Variant, measure_costs
+from ltcgear.runtime.library import build
+from ltcgear.runtime.progress import progress
+from ltcgear.runtime.tables import Cell, Table
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.scene import load_scene
+from rich.console import Console
+
+SCENE, T_END, RATE, RTOL = "rig-2mw", 0.5, 8192.0, 1e-6
+PAGE = Path(__file__).parents[1] / "docs" / "ladder.md"
+BEGIN, END = "<!-- table -->\n", "<!-- end of table -->\n"
+MESHES = ("lsp.sun_planet", "lsp.ring_planet", "hsp.sun_planet", "hsp.ring_planet", "psh.mesh")
+
+TORSION = {"effects.lateral": "off"}
+MEAN = {"effects.mesh_stiffness": "mean"}
+SWITCHED = {"effects.mesh_stiffness": "two-level"}
+WEIGHT = {"effects.gravity": "on"}
+ERRORS = {
+    "effects.planet_position_error": "on",
+    "stages.lsp.position_errors": '[{ planet = 2, tangential = "40 um" }]',
+    "stages.hsp.position_errors": '[{ planet = 2, tangential = "30 um" }]',
+    "effects.eccentricity": "on",
+    "stages.psh.input.eccentricity": '{ radius = "20 um" }',
+    "stages.psh.output.eccentricity": '{ radius = "10 um" }',
+    "effects.transmission_error": "on",
+    **{f"stages.{mesh}.transmission_error.amplitudes": '["4 um", "2 um"]' for mesh in MESHES},
+    "effects.tooth_errors": "on",
+    "stages.psh.mesh.tooth_errors": '[{ gear = "output", tooth = 0, error = "8 um" }]',
+}
+FRICTION = {
+    "effects.mesh_friction": "pitch-point",
+    **{f"stages.{mesh}.friction.coefficient": "0.06" for mesh in MESHES},
+    **{f"stages.{mesh}.friction.speed": "0.02 m/s" for mesh in MESHES},
+}
+BEARINGS = {
+    "effects.bearing_friction": "on",
+    **{f"stages.{stage}.pin.friction": "0.005" for stage in ("lsp", "hsp")},
+    **{f"stages.{stage}.pin.diameter": "300 mm" for stage in ("lsp", "hsp")},
+}
+BACKLASH = {"effects.contact": "backlash", **{f"stages.{mesh}.backlash": "0.3 mm" for mesh in MESHES}}
+
+RUNGS: tuple[tuple[str, tuple[dict[str, str], ...]], ...] = (
+    ("torsional, mean stiffness", (TORSION, MEAN)),
+    ("torsional, two-level stiffness", (TORSION, SWITCHED)),
+    ("lateral, two-level stiffness", (SWITCHED,)),
+    ("+ gravity", (SWITCHED, WEIGHT)),
+    ("+ errors of pins, axes and teeth", (SWITCHED, WEIGHT, ERRORS)),
+    ("+ friction of meshes", (SWITCHED, WEIGHT, ERRORS, FRICTION)),
+    ("+ friction of bearings", (SWITCHED, WEIGHT, ERRORS, FRICTION, BEARINGS)),
+    ("+ backlash: everything", (SWITCHED, WEIGHT, ERRORS, FRICTION, BEARINGS, BACKLASH)),
+)
+"""Name of each rung and its settings, the last one being everything."""
+
+COLUMNS = ("rung", "states", "ops rhs", "ops Jacobian", "ns a rhs", "s a simulated s", "steps", "rhs", "switchings")
+
+
+def climb(rung: tuple[str, tuple[dict[str, str], ...]]) -> Variant:
+    """Build one rung."""
+    name, parts = rung
+    settings = {key: value for part in parts for key, value in part.items()}
+    model = build_model(load_scene(SCENE, settings))
+    return Variant(name, "", "", build(obtain(model)), model.values())
+
+
+def measure_ladder() -> list[dict[str, Any]]:
+    """Measure all rungs, the top one first, since the others are compared with it."""
+    with progress("build rungs", len(RUNGS), "rungs") as told:
+        variants = []
+        for rung in reversed(RUNGS):
+            variants.append(climb(rung))
+            told(len(variants))
+    with progress(f"simulate {SCENE}", ROUNDS * len(variants) * T_END) as told:
+        return measure_costs(variants, t_end=T_END, rate=RATE, rtol=RTOL, told=told)
+
+
+def tabulate(rows: list[dict[str, Any]]) -> Table:
+    """Make the table, lowest rung first."""
+    lines: list[tuple[Cell, ...]] = []
+    for row in reversed(rows):
+        if row["reason"]:
+            lines.append((row["effect"], *(None,) * (len(COLUMNS) + len(MEASURES) - 1)))
+            continue
+        sizes = (row["states"], row["ops"]["rhs"], row["ops"]["jacobian"])
+        times = (round(row["ns_call"]), round(row["seconds_per_simulated_second"], 3))
+        counts = tuple(row["counts"][key] for key in ("steps", "rhs", "events"))
+        changes = tuple(None if row["changes"][key] is None else f"{row['changes'][key]:+.1%}" for key in MEASURES)
+        lines.append((row["effect"], *sizes, *times, *counts, *changes))
+    notes = tuple(f"{row['effect']}: {row['reason']}" for row in rows if row["reason"])
+    headings = ("vibration", "peak", "load share", "spectrum")
+    title = f"{SCENE}, {T_END} s, erk, rtol {RTOL:g}; changes against the top rung, worst mesh"
+    return Table(title, (*COLUMNS, *headings), tuple(lines), notes)
+
+
+def markdown(table: Table) -> str:
+    """Write a table as Markdown."""
+    lines = [table.columns, tuple("---" for _ in table.columns), *table.rows]
+    text = ["| " + " | ".join("-" if cell is None else str(cell) for cell in line) + " |" for line in lines]
+    return "\n".join([f"{table.title}:", "", *text, *("" if not table.notes else ("", *table.notes)), ""])
+
+
+def main() -> None:
+    """Measure, print, and write the page."""
+    table = tabulate(measure_ladder())
+    table.print(Console(width=160))
+    page = PAGE.read_text("utf-8")
+    head, tail = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
+    store.write_folder(PAGE.parent, {PAGE.name: f"{head}\n{markdown(table)}\n{tail}"})
+    print(f"wrote {PAGE}")
+
+
+if __name__ == "__main__":
+    main()

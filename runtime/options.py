@@ -1,0 +1,41 @@
+"""Options and arguments that the commands share: names, help and bounds."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+SHORTEST_PAPER = 0.2  # [s]: half of it must hold some turns of the slowest mesh for tables and spectra
+
+SceneName = Annotated[
+    str, typer.Argument(metavar="SCENE", help="A shipped scene (see `ltcgear scenes`) or a TOML file.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on stdout.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value of the scene, e.g. effects.mesh_law=paper."),
+]
+MaybeScene = Annotated[str | None, typer.Argument(metavar="[SCENE]", help="The scene whose equations are checked.")]
+Sources = Annotated[bool, typer.Option("--sources", help="Say where each number comes from.")]
+Printed = Annotated[bool, typer.Option("--paper", help="Compare the paper's printed equations with the derivation.")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Derive again even if the store has it.")]
+CFolder = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Folder for C and manifest.", show_default="the store's")
+]
+ResultFile = Annotated[
+    Path | None, typer.Option("-o", "--output", help="NetCDF4 file to write, .nc.", show_default="none")
+]
+ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for result and figures.")]
+EndTime = Annotated[
+    float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")
+]
+PaperEnd = Annotated[float, typer.Option("--t-end", help=f"Time to simulate [s], {SHORTEST_PAPER} at least.")]
+Method = Annotated[str, typer.Option("--method", help="erk, cvodes, idas or rosenbrock.")]
+Oversample = Annotated[
+    int, typer.Option("--oversample", min=1, max=64, help="Samples per sample kept; filters accelerations.")
+]
+Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it refers to vibrations.")]
+CostEnd = Annotated[float, typer.Option("--t-end", help="Time to simulate each variant [s].")]
+FigureFile = Annotated[
+    Path | None, typer.Option("-o", "--output", help="Figure to write, .png, .svg or .pdf.", show_default="none")
+]

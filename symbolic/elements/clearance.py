@@ -1,0 +1,98 @@
+r"""Bearings with radial clearance: no force before the displacement has used the clearance up.
+
+With the displacement :math:`\mathbf u`, :math:`r = \sqrt{u^2 + \epsilon^2}` and the clearance c,
+
+.. math:: V = k\langle r - c\rangle^2/2, \qquad \mathbf F = -k\langle r - c\rangle\,\mathbf u/r ;
+
+the damper acts in contact only. The small length :math:`\epsilon` keeps the force's slope finite at the centre,
+and without clearance the law is that of a linear bearing, whatever it is. ``closing`` (0 in every run) takes a part
+of the clearance away while the loaded equilibrium is sought.
+"""
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+from .base import Element, Output, Port, positive, real
+from .bearing import CARRIER, PLANET, X0, Y0, C, K, pin_deflection, pin_place, pin_speed, rubbing_pin
+from .contact import HalfSquare, Ramp, Step
+
+CLEARANCE, CLOSING, ROUNDING = positive("clearance"), real("closing"), positive("epsilon")
+
+
+@dataclass(frozen=True)
+class Race:
+    """What a bearing's displacement (u_x, u_y) [m] does: how far it lies beyond the clearance, in what direction."""
+
+    ux: sp.Expr
+    uy: sp.Expr
+
+    @property
+    def radius(self) -> sp.Expr:
+        """Return r [m]."""
+        return sp.sqrt(self.ux**2 + self.uy**2 + ROUNDING**2)
+
+    @property
+    def reach(self) -> sp.Expr:
+        """Return r - c [m], positive in contact."""
+        return self.radius - CLEARANCE * (1 - CLOSING)
+
+    @property
+    def secant(self) -> sp.Expr:
+        """Return the force over the displacement [N/m]."""
+        return K * Ramp(self.reach) / self.radius
+
+    def damping(self, damped: bool) -> sp.Expr:
+        """Return the damper that acts [N s/m]."""
+        return C * Step(self.reach) if damped else sp.S.Zero
+
+
+def parameters(damped: bool) -> dict[sp.Symbol, str]:
+    """Return the parameters of a bearing with clearance."""
+    own = {K: "N/m"} | ({C: "N*s/m"} if damped else {})
+    return own | {X0: "m", Y0: "m", CLEARANCE: "m", CLOSING: "", ROUNDING: "m"}
+
+
+def ground_clearance(damped: bool) -> Element:
+    """Write the bearing of a member in the housing, with clearance."""
+    body = Port.numbered(1)
+    race = Race(body.x - X0, body.y - Y0)
+    k, c = race.secant, race.damping(damped)
+    fx, fy = -k * race.ux - c * body.vx, -k * race.uy - c * body.vy
+    return Element(
+        name="ground_clearance" + "_damped" * damped,
+        ports=(body,),
+        parameters=parameters(damped),
+        potential=K * HalfSquare(race.reach),
+        dissipation=c * (body.vx**2 + body.vy**2) / 2,
+        wrench=(fx, fy, sp.S.Zero),
+        outputs={"force_x": Output(fx, "N"), "force_y": Output(fy, "N")},
+        rates="absolute",
+        source="radial clearance with a linear race: Kahraman and Singh 1991, J. Sound Vib. 144:469",
+    )
+
+
+def pin_clearance(damped: bool) -> Element:
+    """Write the planet bearing with clearance; its damper sees the motion against the turning carrier."""
+    race = Race(*pin_deflection())
+    k, c = race.secant, race.damping(damped)
+    ax, ay = pin_place()
+    rx, ry = PLANET.x - CARRIER.x, PLANET.y - CARRIER.y
+    vx, vy = pin_speed()
+    fx, fy = k * race.ux + c * vx, k * race.uy + c * vy
+    torque = ax * k * race.uy - ay * k * race.ux + c * (rx * vy - ry * vx)
+    return Element(
+        name="pin_clearance" + "_damped" * damped,
+        ports=(CARRIER, PLANET),
+        parameters=parameters(damped),
+        potential=K * HalfSquare(race.reach),
+        dissipation=c * (vx**2 + vy**2) / 2,
+        wrench=(fx, fy, torque, -fx, -fy, sp.S.Zero),
+        outputs={"force_x": Output(-fx, "N"), "force_y": Output(-fy, "N")},
+        source="Wu et al. 2021 eqs 29-30 with radial clearance",
+    )
+
+
+def pin_clearance_friction() -> Element:
+    """Write the friction torque of the planet bearing with clearance, by the load that it carries."""
+    return rubbing_pin("pin_clearance_friction", Race(*pin_deflection()).secant, parameters(False))

@@ -1,0 +1,77 @@
+"""What tables of a scene are made of: strict keys, and numbers written as text with a unit."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Self
+
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
+from pydantic_core import core_schema
+
+from . import units
+from .series import Pairs, Series
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Marks a float field that is written as text with a unit and kept in SI."""
+
+    unit: str
+    positive: bool = False
+
+    def read(self, value: object) -> float:
+        """Convert the text of a scene."""
+        number = units.parse(value, self.unit)
+        if self.positive and number <= 0:
+            raise ValueError(f"{value!r} must be greater than zero")
+        return number
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        """Tell pydantic how to read and write the field."""
+        write = core_schema.plain_serializer_function_ser_schema(lambda value: f"{value!r} {self.unit}".strip())
+        return core_schema.no_info_before_validator_function(self.read, core_schema.float_schema(), serialization=write)
+
+
+Length = Annotated[float, Quantity("m", positive=True)]
+Bore = Annotated[float, Quantity("m")]
+Angle = Annotated[float, Quantity("rad")]
+Mass = Annotated[float, Quantity("kg", positive=True)]
+Inertia = Annotated[float, Quantity("kg*m^2", positive=True)]
+Stiffness = Annotated[float, Quantity("N/m", positive=True)]
+TorsionalStiffness = Annotated[float, Quantity("N*m/rad", positive=True)]
+Damping = Annotated[float, Quantity("N*s/m", positive=True)]
+TorsionalDamping = Annotated[float, Quantity("N*m*s/rad", positive=True)]
+Density = Annotated[float, Quantity("kg/m^3", positive=True)]
+Duration = Annotated[float, Quantity("s", positive=True)]
+Rate = Annotated[float, Quantity("1/s", positive=True)]
+DecayRate = Annotated[float, Quantity("1/s")]
+DecayTime = Annotated[float, Quantity("s")]
+Speed = Annotated[float, Quantity("rad/s")]
+SmallSpeed = Annotated[float, Quantity("rad/s", positive=True)]
+Torque = Annotated[float, Quantity("N*m")]
+BreakdownTorque = Annotated[float, Quantity("N*m", positive=True)]
+SpeedOverTime = Annotated[Pairs, Series("s", "rad/s")]
+TorqueOverTime = Annotated[Pairs, Series("s", "N*m")]
+Force = Annotated[float, Quantity("N", positive=True)]
+Acceleration = Annotated[float, Quantity("m/s^2")]
+Velocity = Annotated[float, Quantity("m/s", positive=True)]
+Ratio = Annotated[float, Field(gt=0, lt=1)]
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
+
+
+class Table(BaseModel):
+    """A table of the scene file; unknown keys are refused, values do not change."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        """Refuse keys that do not go together; one line a defect."""
+        found = list(self.faults())
+        if found:
+            raise ValueError("\n".join(found))
+        return self
+
+    def faults(self) -> Iterator[str]:
+        """Tell what does not go together in this table; a fault of one key begins with ``.key: ``."""
+        if getattr(self, "damping", None) is not None and getattr(self, "damping_ratio", None) is not None:
+            yield "give either damping or damping_ratio, not both"
