@@ -1,6 +1,8 @@
 """What symbolic and running side agree on: function names, argument order, shapes, names of everything.
 
-Every generated model has these functions, with x the states, s the mesh levels, p the parameters:
+Every generated model has these functions, with x the states, s the mesh levels and after them the load
+signals, p the parameters. Signals are values of the scene's tables over time, which change linearly
+between the rows; the tables themselves are numbers of the scene and no part of the C.
 
 ============  ===========  ==========================================================
 function      arguments    results
@@ -8,7 +10,7 @@ function      arguments    results
 ``rhs``       x, s, p      xdot
 ``jac_rhs``   x, s, p, -   d xdot / d x (sparse), as CasADi expects it of ``rhs``
 ``outputs``   x, s, p      y
-``phases``    x, p         tau, tau_rate, share
+``phases``    x, s, p      tau, tau_rate, share
 ``energy``    x, s, p      kinetic, strain, weight [J], power put in, power lost [W]
 ============  ===========  ==========================================================
 """
@@ -17,7 +19,7 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
-FORMAT = 1
+FORMAT = 2
 FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "energy")
 
 
@@ -43,6 +45,16 @@ class Report:
 
 
 @dataclass(frozen=True)
+class Signal:
+    """One load signal: name, SI unit, the table it is read from, and whether it is that table's slope in time."""
+
+    name: str
+    unit: str
+    table: str
+    slope: bool
+
+
+@dataclass(frozen=True)
 class Signature:
     """Shapes of a function's arguments and results, non-zeros of the first result, operations."""
 
@@ -63,11 +75,13 @@ class Manifest:
     states, levels, parameters, reports
         Names in the order of x, s, p and y; parameters as (name, unit).
     reference
-        ``rest``, ``speed`` (reference speed is a parameter) or ``torque`` (it is a state).
+        ``rest``, ``speed`` (reference speed is a parameter or a signal) or ``torque`` (it is a state).
     functions
         Signatures by name.
     casadi
         Version that emitted the C.
+    signals
+        Load signals, which follow the levels in s.
     """
 
     key: str
@@ -78,6 +92,7 @@ class Manifest:
     reports: tuple[Report, ...]
     functions: dict[str, Signature]
     casadi: str
+    signals: tuple[Signal, ...] = ()
     format: int = FORMAT
 
     def to_json(self) -> str:
@@ -113,7 +128,7 @@ class Manifest:
         return cls(
             raw["key"], raw["reference"], tuple(State(**item) for item in raw["states"]), tuple(raw["levels"]),
             tuple((name, unit) for name, unit in raw["parameters"]), tuple(Report(**item) for item in raw["reports"]),
-            functions, raw["casadi"],
+            functions, raw["casadi"], tuple(Signal(**item) for item in raw["signals"]),
         )  # fmt: skip
 
 

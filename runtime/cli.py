@@ -266,6 +266,7 @@ def run(
             oversample=oversample,
             attributes=about | {"scene_json": opened.scene.model_dump_json()},
             told=told,
+            tables=opened.model.tables,
         )
     seconds = opened.seconds | result.summary["seconds"]
     if output is not None:
@@ -284,7 +285,7 @@ def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) ->
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
-    found = find_modes(library, find_equilibrium(library, p), p)
+    found = find_modes(library, find_equilibrium(library, p, tables=opened.model.tables), p)
     listed = [
         {
             "frequency_hz": m.frequency_hz,
@@ -336,13 +337,13 @@ def _variants(name: str, changes: dict[str, str], opened: Opened) -> "list[Varia
     from .library import build
 
     found = list_changes(opened.scene, opened.model)
-    variants = [Variant("all", "", "", compile_model(opened), opened.model.values())]
+    variants = [Variant("all", "", "", compile_model(opened), opened.model.values(), tables=opened.model.tables)]
     with progress(f"build {opened.scene.name}", len(found), "variants") as told:
         for k, item in enumerate(found, start=1):
             key = (item.effect, item.value, item.without)
             try:
                 model = build_model(load_scene(name, changes | {f"effects.{item.effect}": item.without}))
-                made = Variant(*key, build(obtain(model)), model.values())
+                made = Variant(*key, build(obtain(model)), model.values(), tables=model.tables)
             except LtcgearError as error:
                 made = Variant(*key, None, {}, str(error))
             variants.append(made)

@@ -1,7 +1,7 @@
 """Cost: what variants of a model take to run, and how far their mesh forces are from the full one's."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from .equilibrium import find_equilibrium
 from .kernel import Kernel
 from .library import Library
+from .signals import Pairs
 from .simulation import DEFAULT_METHOD, Result, simulate
 from .statistics import group_of, mesh_statistics, stage_of, steady_start, window
 
@@ -37,7 +38,10 @@ MEASURES = ("force_rms", "force_peak", "load_share", "spectrum")
 
 @dataclass(frozen=True)
 class Variant:
-    """A model with one effect at another value; ``library`` is None where there is no such model, for ``reason``."""
+    """A model with one effect at another value; ``library`` is None where there is no such model, for ``reason``.
+
+    ``values`` and ``tables`` are the model's numbers and its loads over time.
+    """
 
     effect: str
     value: str
@@ -45,6 +49,7 @@ class Variant:
     library: Library | None
     values: Mapping[str, float]
     reason: str = ""
+    tables: Mapping[str, Pairs] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -53,6 +58,7 @@ class _Run:
 
     library: Library
     values: Mapping[str, float]
+    tables: Mapping[str, Pairs]
     batch: Kernel
     result: Result | None = None
     seconds: float = np.inf
@@ -141,11 +147,11 @@ def _start(variant: Variant) -> _Run:
     if library is None:
         raise SolverError(variant.reason)
     p = library.parameters(variant.values)
-    at = find_equilibrium(library, p)
+    at = find_equilibrium(library, p, tables=variant.tables)
     batch = Kernel(library.functions["rhs"].map(BATCH))
-    for array, value in zip(batch.arguments, (at.x, at.levels, p), strict=True):
+    for array, value in zip(batch.arguments, (at.x, at.s, p), strict=True):
         array[:] = np.tile(value, BATCH)
-    return _Run(library, variant.values, batch)
+    return _Run(library, variant.values, variant.tables, batch)
 
 
 def _time_calls(runs: dict[int, _Run]) -> None:
@@ -167,7 +173,7 @@ def _timed(run: _Run, told: Callable[[float], None], options: Mapping[str, Any])
         If it does not reach its end.
     """
     for _ in range(REPEATS):
-        result = simulate(run.library, run.values, told=told, **options)
+        result = simulate(run.library, run.values, told=told, tables=run.tables, **options)
         status = result.summary["status"]
         if status.startswith("interrupted"):
             raise KeyboardInterrupt

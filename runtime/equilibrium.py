@@ -1,6 +1,7 @@
 """The loaded equilibrium at running speed, where a simulation starts and a linearisation stands."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from ltcgear.generated.errors import SolverError
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from .continuation import follow
 from .kernel import Kernel
 from .library import Library
+from .signals import Pairs, Signals
 
 Vector = NDArray[np.float64]
 UNREACHABLE = "no equilibrium: a centre distance falls below the base circles' sum; check center_distance and stiffness"
@@ -16,6 +18,8 @@ ROUNDING = 1e-8
 """Deflection [m], [rad] whose force is what forces out of balance are compared with, where nothing else acts."""
 PULL = "contact.pull"
 """The parameter by which one-sided teeth may pull; 0 in every run."""
+PULLS = (1.0, 1e-3, 1e-6)
+"""Shares of their stiffness with which teeth pull on the way to the equilibrium."""
 CLOSING = "bearing.closing"
 """The part of bearings' clearance that is taken away; 0 in every run."""
 
@@ -34,17 +38,26 @@ class Equilibrium:
         Largest force left over the largest force at work.
     iterations
         Newton steps taken.
+    signals
+        Load signals it holds for.
     """
 
     x: Vector
     levels: Vector
     residual: float
     iterations: int
+    signals: Vector = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def s(self) -> Vector:
+        """Return levels and signals, the functions' second argument."""
+        return np.concatenate([self.levels, self.signals])
 
 
 def mean_levels(library: Library, x: Vector, p: Vector) -> Vector:
     """Return the mean level of each switched mesh: the share of double contact."""
-    share = Kernel(library.functions["phases"])(x, p)[2]
+    phases = Kernel(library.functions["phases"])
+    share = phases(x, np.zeros(len(phases.arguments[1])), p)[2]
     return np.asarray(1.0 - share)
 
 
@@ -64,8 +77,18 @@ def inertias(library: Library, p: Vector) -> Vector:
     return np.array([p[known[library.manifest.states[i].inertia]] for i in library.index("")])
 
 
-def find_equilibrium(library: Library, p: Vector, levels: Vector | None = None) -> Equilibrium:
+def pulling(library: Library, p: Vector, share: float = 1.0) -> Vector:
+    """Return the parameters with one-sided teeth that pull with a share of their stiffness."""
+    names = np.array([name for name, _ in library.manifest.parameters])
+    return np.asarray(np.where(names == PULL, share, p))
+
+
+def find_equilibrium(
+    library: Library, p: Vector, levels: Vector | None = None, tables: Mapping[str, Pairs] | None = None
+) -> Equilibrium:
     """Solve for vanishing vibration accelerations with Newton's method on the generated Jacobian.
+
+    Loads over time are those just before the start: a speed that begins to rise there has not begun.
 
     Parameters
     ----------
@@ -75,6 +98,8 @@ def find_equilibrium(library: Library, p: Vector, levels: Vector | None = None) 
         Parameters, shape (n_p,).
     levels
         Mesh levels; their means where left out.
+    tables
+        The model's tables over time, by name.
 
     Raises
     ------
@@ -83,37 +108,45 @@ def find_equilibrium(library: Library, p: Vector, levels: Vector | None = None) 
     """
     x = start_state(library, p)
     levels = mean_levels(library, x, p) if levels is None else levels
+    signals = Signals(library.manifest.signals, tables or {}).before(0.0)
     names = np.array([name for name, _ in library.manifest.parameters])
-    # Teeth that just touch hold nothing: let them pull until the load has pressed them together.
-    pulling = np.where(names == PULL, 1.0, p)
+
+    def search(x: Vector, pull: float, closing: float = 0.0) -> Vector:
+        chosen = np.where(names == CLOSING, closing, pulling(library, p, pull))
+        return _newton(library, chosen, x, levels, signals).x
+
     if CLOSING in names:
-        # Nor does a bearing within its clearance: open the clearance under load.
-        x = follow(lambda part, x: _newton(library, np.where(names == CLOSING, part, pulling), x, levels).x, x)
-    elif PULL in names:
-        x = _newton(library, pulling, x, levels).x
-    return _newton(library, p, x, levels)
+        # A bearing within its clearance holds nothing: open the clearance under load.
+        x = follow(lambda part, x: search(x, 1.0, part), x)
+    if PULL in names:
+        # Nor do teeth that just touch: let them pull until the load has pressed them together, on the other flank
+        # too, which lies behind its gap.
+        for share in PULLS:
+            x = search(x, share)
+    return _newton(library, p, x, levels, signals)
 
 
-def _newton(library: Library, p: Vector, x: Vector, levels: Vector) -> Equilibrium:
+def _newton(library: Library, p: Vector, x: Vector, levels: Vector, signals: Vector) -> Equilibrium:
     """Iterate from a start until the forces balance to rounding."""
     position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
     if not len(position):
         raise SolverError("nothing can vibrate: every freedom of the scene is held; free a member or add one")
     rhs, jacobian = Kernel(library.functions["rhs"]), Kernel(library.functions["jac_rhs"])
-    load = np.abs(rhs(start_state(library, p), levels, p)[0][rate] * mass)
+    s = np.concatenate([levels, signals])
+    load = np.abs(rhs(start_state(library, p), s, p)[0][rate] * mass)
     best = np.inf
     for iteration in range(60):
-        force = np.asarray(rhs(x, levels, p)[0][rate] * mass)
-        stiffness = -_dense(library, jacobian(x, levels, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
+        force = np.asarray(rhs(x, s, p)[0][rate] * mass)
+        stiffness = -_dense(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
         if not (np.isfinite(force).all() and np.isfinite(stiffness).all()):
             raise SolverError(UNREACHABLE)
         residual = _residual(library, force, np.abs(stiffness) @ (np.abs(x[position]) + ROUNDING) + load)
         delta = _solve(library, stiffness, force, mass)
         settled = np.abs(delta).max() <= 1e-7 * np.abs(x[position]).max() + ROUNDING**2
         if residual < 1e-13 or (settled and residual < 1e-8 and residual > 0.3 * best):
-            return Equilibrium(x, levels, residual, iteration)
+            return Equilibrium(x, levels, residual, iteration, signals)
         best = min(best, residual)
-        x = _advance(rhs, x, position, delta, levels, p)
+        x = _advance(rhs, x, position, delta, s, p)
     raise SolverError(
         f"no equilibrium: after 60 Newton steps the forces are out of balance by {residual:.1e} of their size; "
         "check loads, stiffnesses and centre distances"
@@ -140,9 +173,9 @@ def _dense(library: Library, nonzeros: Vector) -> Vector:
     return full
 
 
-def state_matrix(library: Library, x: Vector, levels: Vector, p: Vector) -> Vector:
+def state_matrix(library: Library, x: Vector, s: Vector, p: Vector) -> Vector:
     """Return d xdot / d x, shape (n, n)."""
-    return _dense(library, Kernel(library.functions["jac_rhs"])(x, levels, p, 0.0)[0])
+    return _dense(library, Kernel(library.functions["jac_rhs"])(x, s, p, 0.0)[0])
 
 
 def _solve(library: Library, stiffness: Vector, force: Vector, mass: Vector) -> Vector:
@@ -169,12 +202,12 @@ def _unrestrained(library: Library, shares: Vector) -> str:
     )
 
 
-def _advance(rhs: Kernel, x: Vector, position: NDArray[np.int64], delta: Vector, levels: Vector, p: Vector) -> Vector:
+def _advance(rhs: Kernel, x: Vector, position: NDArray[np.int64], delta: Vector, s: Vector, p: Vector) -> Vector:
     """Take a Newton step, halved until the gears still reach each other."""
     for _ in range(40):
         trial = x.copy()
         trial[position] += delta
-        if np.isfinite(rhs(trial, levels, p)[0]).all():
+        if np.isfinite(rhs(trial, s, p)[0]).all():
             return trial
         delta = delta / 2
     raise SolverError(UNREACHABLE)

@@ -32,15 +32,16 @@ class MeshExtremes:
         self.lowest = np.full(len(rows), np.inf)
         self.steady = np.full((2, len(rows)), np.nan)
         outputs = library.functions["outputs"]
-        self.kernel = Kernel(outputs.map("outputs_at_nodes", "serial", nodes, [1, 2], [])) if rows else None
+        self.kernel = Kernel(outputs.map("outputs_at_nodes", "serial", nodes, [2], [])) if rows else None
         if self.kernel:
             self.kernel.arguments[2][:] = p
 
-    def note(self, states: Vector, levels: Vector, times: Vector) -> None:
-        """Take in a segment: states (nodes, n), its levels and node times [s]."""
+    def note(self, states: Vector, s: Vector, times: Vector) -> None:
+        """Take in a segment: states (nodes, n), levels and signals, one row or (nodes, ...), node times [s]."""
         if self.kernel is None:
             return
-        self.kernel.arguments[0][:], self.kernel.arguments[1][:] = states.ravel(), levels
+        self.kernel.arguments[0][:] = states.ravel()
+        self.kernel.arguments[1].reshape(len(times), -1)[:] = s
         self.kernel.evaluate()
         within = times <= self.end * (1 + 1e-12)
         forces, times = self.kernel.results[0].reshape(len(times), -1)[:, self.rows][within], times[within]

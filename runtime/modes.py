@@ -63,7 +63,7 @@ def find_modes(library: Library, at: Equilibrium, p: Vector) -> list[Mode]:
         i for i, name in enumerate(names) if not (name == "reference.angle" and library.manifest.reference == "speed")
     ]
     scale = vibration_scale(library, at, p)[kept]
-    matrix = state_matrix(library, at.x, at.levels, p)[np.ix_(kept, kept)]
+    matrix = state_matrix(library, at.x, at.s, p)[np.ix_(kept, kept)]
     found = np.linalg.eig(matrix * scale[None, :] / scale[:, None])
     values: Complex = found.eigenvalues.astype(np.complex128)
     motions = _motions(library, at, p)

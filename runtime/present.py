@@ -97,7 +97,7 @@ def info(data: Data) -> None:
     table.add_row("Jacobian non-zeros", str(data["jacobian_nnz"]))
     table.add_row("effects", ", ".join(f"{k} {v}" for k, v in data["effects"].items()))
     console = _console()
-    parts = [table, *(made(data) for made in (_acting, _freedoms, _stages, _meshes, _members, _loads))]
+    parts = [table, *(made(data) for made in (_acting, _freedoms, _stages, _meshes, _members, _loads, _laws))]
     for part in parts:
         if part.row_count:
             console.print(part, "")
@@ -182,6 +182,15 @@ def _loads(data: Data) -> Table:
     for name, load in data["loads"].items():
         numbers = (_number(load[key], form) for key, form in (("torque_n_m", ".6g"), ("power_kw", "+.6g")))
         table.add_row(name, load["member"], f"{load['speed_rpm']:.3f}", *numbers, load["action"])
+    return table
+
+
+def _laws(data: Data) -> Table:
+    """List how loads vary."""
+    table = _table("Loads that vary (above at their largest, or at the speeds listed)", "load", "")
+    for name, load in data["loads"].items():
+        if load["law"]:
+            table.add_row(name, load["law"])
     return table
 
 

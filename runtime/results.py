@@ -48,6 +48,7 @@ LONG_NAMES = {
     "twist": "angle against the rigid motion",
     "angular_acceleration": "angular acceleration",
     "drive_torque": "torque of the drive that holds the speed",
+    "load_torque": "torque of the load on its member",
 }
 
 
@@ -58,7 +59,7 @@ def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Trajecto
     stiffness jumps put in; zero for an exact solution. Without strain energy it is taken over all work.
     """
     missing = path.energy[1] - path.energy[0] - path.work - path.jump_energy
-    strain = float(Kernel(library.functions["energy"])(at.x, at.levels, p)[0][1])
+    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
     return missing / max(strain, abs(path.work) + abs(path.jump_energy), 1e-12)
 
 
@@ -75,7 +76,7 @@ def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> t
     rows, values
         Which samples of the trajectory are kept, shape (m,), and the outputs there, shape (m, n_y).
     """
-    values = over_time(library.functions["outputs"], [path.x, path.levels, p])
+    values = over_time(library.functions["outputs"], [path.x, path.s, p])
     rows: NDArray[np.int64] = np.arange(0, len(path.time), oversample, dtype=np.int64)
     if oversample == 1 or len(rows) < 2 * MARGIN or "velocity_x" not in _by_quantity(library):
         return rows, values[rows]

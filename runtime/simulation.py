@@ -16,6 +16,7 @@ from .equilibrium import find_equilibrium
 from .integration import Trajectory, integrate
 from .library import Library
 from .results import energy_residual, make_dataset
+from .signals import Pairs
 from .statistics import mesh_statistics, steady_start
 from .stepper import METHODS
 
@@ -43,7 +44,7 @@ def _check_size(library: Library, samples: float) -> None:
     if round(samples) < 1:
         raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
     manifest = library.manifest
-    need = samples * 8 * (len(manifest.states) + len(manifest.levels) + len(manifest.reports))
+    need = samples * 8 * sum(map(len, (manifest.states, manifest.levels, manifest.signals, manifest.reports)))
     have = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if need > 0.8 * have:
         raise LtcgearError(
@@ -70,6 +71,7 @@ def simulate(
     oversample: int = 1,
     attributes: Mapping[str, Any] | None = None,
     told: Callable[[float], None] = lambda t: None,
+    tables: Mapping[str, Pairs] | None = None,
 ) -> Result:
     """Simulate from the loaded equilibrium.
 
@@ -89,6 +91,8 @@ def simulate(
         What the result file shall also tell, such as the scene.
     told
         Called with the simulated time now and then.
+    tables
+        Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
 
     Raises
     ------
@@ -99,9 +103,11 @@ def simulate(
     _check_size(library, t_end * rate * oversample)
     p = library.parameters(values)
     clock = perf_counter()
-    at = find_equilibrium(library, p)
+    at = find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
-    path = integrate(library, p, at, t_end=t_end, rate=rate * oversample, method=method, rtol=rtol, told=told)
+    path = integrate(
+        library, p, at, t_end=t_end, rate=rate * oversample, method=method, rtol=rtol, told=told, tables=tables
+    )
     seconds |= path.seconds
     clock = perf_counter()
     settings = {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}

@@ -32,6 +32,8 @@ METHODS = {
 }
 MULTISTEP = ("cvodes", "idas")
 MOST_STEPS = 1_000_000
+CONSTANT = np.zeros(0)
+"""Rates of the load signals of a model that has none."""
 
 
 @dataclass
@@ -59,8 +61,13 @@ class Stepper(Protocol):
 
     counts: Counts
 
-    def advance(self, z: Vector, duration: float, origin: Vector, levels: Vector) -> tuple[Vector, float]:
-        """Return z at the nodes, shape (nodes, n), and the work done on the system [J]."""
+    def advance(
+        self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT
+    ) -> tuple[Vector, float]:
+        """Return z at the nodes, shape (nodes, n), and the work done on the system [J].
+
+        ``s`` are levels and load signals at the segment's start, ``slope`` the signals' rates.
+        """
 
 
 def make_stepper(library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector) -> Stepper:
@@ -88,21 +95,24 @@ def make_stepper(library: Library, method: str, rtol: float, frame: Frame, p: Ve
 
 def _layout(library: Library) -> dict[str, int]:
     """Return the sizes of the parts of an integrator's parameter vector, in order."""
-    n, levels, numbers = (library.functions["rhs"].size1_in(i) for i in range(3))
-    return {"duration": 1, "rtol": 1, "first": 1, "origin": n, "scale": n, "s": levels, "p": numbers}
+    n, s, numbers = (library.functions["rhs"].size1_in(i) for i in range(3))
+    signals = len(library.manifest.signals)
+    return {"duration": 1, "rtol": 1, "first": 1, "origin": n, "scale": n, "s": s, "slope": signals, "p": numbers}
 
 
 def _problem(library: Library, functions: dict[str, ca.Function], symbol: Any) -> dict[str, Any]:  # noqa: ANN401
     """Write the scaled problem with symbols of one kind (SX inlines, MX calls)."""
     part = {name: symbol.sym(name, size) for name, size in _layout(library).items()}
-    z = symbol.sym("z", part["scale"].shape[0])
-    x = part["origin"] + part["scale"] * z
-    rate = functions["rhs"](x, part["s"], part["p"])
-    balance = functions["energy"](x, part["s"], part["p"])
+    z, t = symbol.sym("z", part["scale"].shape[0]), symbol.sym("t")
+    x, s = part["origin"] + part["scale"] * z, part["s"]
+    if library.manifest.signals:
+        s = s + ca.vertcat(np.zeros(len(library.manifest.levels)), part["slope"]) * part["duration"] * t
+    rate = functions["rhs"](x, s, part["p"])
+    balance = functions["energy"](x, s, part["p"])
     ode, power = part["duration"] * rate / part["scale"], part["duration"] * (balance[3] - balance[4])
     if symbol is ca.SX:
         ode, power = ca.cse([ode, power])
-    return {"x": z, "p": ca.vertcat(*part.values()), "ode": ode, "quad": power}
+    return {"x": z, "t": t, "p": ca.vertcat(*part.values()), "ode": ode, "quad": power}
 
 
 class _Base:
@@ -134,10 +144,13 @@ class _Base:
         """Evaluate the integrator on the buffers; RuntimeError where it fails."""
         self.kernel.evaluate()
 
-    def advance(self, z: Vector, duration: float, origin: Vector, levels: Vector) -> tuple[Vector, float]:
+    def advance(
+        self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT
+    ) -> tuple[Vector, float]:
         """Return z at the nodes, shape (nodes, n), and the work done on the system [J]."""
         self.state[:] = z
-        self.part["duration"][:], self.part["origin"][:], self.part["s"][:] = duration, origin, levels
+        self.part["duration"][:], self.part["origin"][:], self.part["s"][:] = duration, origin, s
+        self.part["slope"][:] = slope
         self._evaluate()
         self._count(duration)
         path = self.end.reshape(len(self.nodes), self.size)
@@ -242,10 +255,12 @@ class _WholeStepper(_Base):
         self._before, self._last = tuple(self._tally), 0.0
         return function
 
-    def advance(self, z: Vector, duration: float, origin: Vector, levels: Vector) -> tuple[Vector, float]:
+    def advance(
+        self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT
+    ) -> tuple[Vector, float]:
         """Integrate a segment, beginning with the step the last one ended with."""
         self.part["first"][:] = min(self._last / duration, 1.0)
-        return super().advance(z, duration, origin, levels)
+        return super().advance(z, duration, origin, s, slope)
 
     def _count(self, duration: float) -> None:
         self._reader(self._tally, ctypes.byref(self._step))

@@ -56,13 +56,20 @@ def upper(cells: Cells, share: Vector) -> Vector:
     return lower(cells + 1, share)
 
 
-def time_to_border(cells: Cells, phases: Phases) -> float:
-    """Return the time [s] to the next border at the present rates; infinite where nothing turns."""
-    ahead = np.where(phases.rate > 0, upper(cells, phases.share), lower(cells, phases.share)) - phases.tau
-    moving = phases.rate != 0
-    if not moving.any():
+def time_to_border(cells: Cells, phases: Phases, gain: Vector | float = 0.0) -> float:
+    """Return the time [s] to the next border; infinite where none is reached.
+
+    The rates change by ``gain`` [1/s^2]. Borders are looked for in the present direction, from a standstill
+    in that of the gain: what turns back on its way is to be looked at again from where it turns.
+    """
+    towards = np.where(phases.rate != 0, np.sign(phases.rate), np.sign(gain))
+    ahead = towards * (np.where(towards > 0, upper(cells, phases.share), lower(cells, phases.share)) - phases.tau)
+    rate = towards * phases.rate
+    square = rate**2 + 2 * towards * gain * ahead
+    reached = (towards != 0) & (square >= 0)
+    if not reached.any():
         return float("inf")
-    return max(float((ahead[moving] / phases.rate[moving]).min()), 0.0)
+    return max(float((2 * ahead[reached] / (rate[reached] + np.sqrt(square[reached]))).min()), 0.0)
 
 
 def crossed(cells: Cells, before: Phases, after: Phases) -> tuple[Cells, float]:

@@ -37,6 +37,8 @@ QUANTITIES = {
     ("ground_clearance", "force_y"): ("bearing_force_y", "bearing"),
     ("coupling", "torque"): ("coupling_torque", "coupling"),
     ("torsional_support", "torque"): ("support_torque", "support"),
+    ("slip_torque", "torque"): ("load_torque", "load"),
+    ("external_torque", "torque"): ("load_torque", "load"),
 }
 
 
@@ -47,7 +49,7 @@ class Equations:
     Attributes
     ----------
     x, s, p
-        States, mesh levels (0 single, 1 double contact) and parameters.
+        States, mesh levels (0 single, 1 double contact) with the load signals after them, and parameters.
     states, levels, parameters
         What these are, in order; parameters as (name, unit).
     xdot
@@ -110,8 +112,9 @@ class _Assembly:
         self.bodies = {body.name: body for body in model.bodies}
         self.p = ca.SX.sym("p", len(model.parameters))
         self.number = {q.name: self.p[i] for i, q in enumerate(model.parameters)}
-        self.s = ca.SX.sym("s", len(model.levels))
+        self.s = ca.SX.sym("s", len(model.levels) + len(model.signals))
         self.level = {level.name: self.s[i] for i, level in enumerate(model.levels)}
+        self.number |= {signal.name: self.s[len(self.level) + i] for i, signal in enumerate(model.signals)}
         self.states = tuple(self._states())
         self.x = ca.SX.sym("x", len(self.states))
         self.value = {state.name: self.x[i] for i, state in enumerate(self.states)}
@@ -325,11 +328,16 @@ class _Assembly:
         return self._ratio(body) * self.phi + self.twist(body)[0]
 
     def _reference_acceleration(self, forces: dict[str, ca.SX]) -> Any:  # noqa: ANN401
-        """Return phi'': zero for a held speed, else the reference member's own."""
+        """Return phi'': zero for a held speed, a signal for one over time, else the reference member's own."""
         for body in self.model.bodies:
             if body.turning == "reference":
                 return forces[body.name][2] / Joints(self).inertia(body)
-        return ca.SX(0)
+        return self.number.get("reference.acceleration", ca.SX(0))
+
+    def _drive_torque(self, body: Body) -> Any:  # noqa: ANN401
+        """Return the torque that holds a body's speed: against what acts on it, and for its acceleration."""
+        own = Joints(self).inertia(body) * self._ratio(body) * self._reference_acceleration(self.forces)
+        return own - self.forces[body.name][2]
 
     def _right_hand_side(self, forces: dict[str, ca.SX]) -> ca.SX:
         """Return x' in the order of the states."""
@@ -382,7 +390,8 @@ class _Assembly:
             for name, output in outputs.items():
                 if (instance.group, name) in QUANTITIES:
                     quantity, dimension = QUANTITIES[instance.group, name]
-                    yield Report(quantity, instance.name, output.unit, dimension), result[f"out_{name}"]
+                    label = instance.name.removeprefix("loads.")
+                    yield Report(quantity, label, output.unit, dimension), result[f"out_{name}"]
             rolling[instance.name] = result.get("out_rolling", rolling.get(instance.name))
         for item in self.model.rollings:
             phase = self._mesh_phase(item.gear, item.mesh, rolling[item.mesh])
@@ -414,10 +423,7 @@ class _Assembly:
             for axis, value in zip("xy", self._velocity(body), strict=True):
                 yield Report(f"velocity_{axis}", body.name, "m/s", "member"), value
             for axis in "xy":
-                yield (
-                    Report(f"displacement_{axis}", body.name, "m", "member"),
-                    self.value[f"{body.name}.{axis}"],
-                )
+                yield Report(f"displacement_{axis}", body.name, "m", "member"), self.value[f"{body.name}.{axis}"]
         if self.bodies[body.leader or body.name].turning != "held" and body.turning != "point":
             deviation, rate = self.twist(body)
             yield Report("speed", body.name, "rad/s", "rotor"), self._ratio(body) * self.speed + rate
@@ -425,7 +431,7 @@ class _Assembly:
             turning = self._spin(body, self._reference_acceleration(self.forces))
             yield Report("angular_acceleration", body.name, "rad/s^2", "rotor"), turning
         if body.turning == "driven":
-            yield Report("drive_torque", body.name, "N*m", "drive"), -force[2]
+            yield Report("drive_torque", body.name, "N*m", "drive"), self._drive_torque(body)
 
     def _velocity(self, body: Body) -> list[Any]:
         """Return a body's velocity against the ground, in inertial axes."""
@@ -459,9 +465,9 @@ class _Assembly:
             if body.inertia is not None:
                 kinetic += self.number[body.inertia] * w**2 / 2
             if body.turning == "driven":
-                given -= forces[body.name][2] * w
+                given += self._drive_torque(body) * w
         for instance, result in results:
-            if instance.group == "external_torque":
+            if make(instance.element).load:
                 _, (_, _, w) = self.port(self.bodies[instance.bodies[0]], "absolute")
                 given += result["force"][2] * w
             elif instance.group == "gravity":

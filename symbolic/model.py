@@ -1,12 +1,14 @@
 """Second stage's value: the Model, what the scene's effects call for and nothing else.
 
-A model is structure (bodies, element instances, levels) plus numbers (parameters). Structure is
-baked into the C; numbers stay parameters. Nothing here needs SymPy, so a model whose C is already in
-the store is ready without deriving anything.
+A model is structure (bodies, element instances, levels, load signals) plus numbers (parameters, tables over
+time). Structure is baked into the C; numbers stay parameters, and tables are read while the C runs. Nothing
+here needs SymPy, so a model whose C is already in the store is ready without deriving anything.
 """
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
+
+from ltcgear.generated.contract import Signal
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
@@ -150,11 +152,13 @@ class Model:
     parameters: tuple[Parameter, ...]
     effects: dict[str, str]
     statics: dict[str, float]
+    signals: tuple[Signal, ...] = ()
+    tables: dict[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
 
     def structure(self) -> str:
         """Return all that shapes the C, as canonical JSON: no title, no number."""
         shape = asdict(self)
-        for key in ("title", "name", "effects", "statics"):
+        for key in ("title", "name", "effects", "statics", "tables"):
             del shape[key]
         shape["parameters"] = [(p.name, p.unit) for p in self.parameters]
         return json.dumps(shape, sort_keys=True, separators=(",", ":"))

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_v
 from pydantic_core import core_schema
 
 from . import units
+from .series import Pairs, Series
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,9 @@ DecayTime = Annotated[float, Quantity("s")]
 Speed = Annotated[float, Quantity("rad/s")]
 SmallSpeed = Annotated[float, Quantity("rad/s", positive=True)]
 Torque = Annotated[float, Quantity("N*m")]
+BreakdownTorque = Annotated[float, Quantity("N*m", positive=True)]
+SpeedOverTime = Annotated[Pairs, Series("s", "rad/s")]
+TorqueOverTime = Annotated[Pairs, Series("s", "N*m")]
 Force = Annotated[float, Quantity("N", positive=True)]
 Acceleration = Annotated[float, Quantity("m/s^2")]
 Velocity = Annotated[float, Quantity("m/s", positive=True)]

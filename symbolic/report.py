@@ -8,7 +8,7 @@ from typing import Any
 from . import gears, train
 from .mesh_schema import Mesh
 from .mesh_stiffness import levels
-from .schema import Gear, Pair, Planetary, Scene
+from .schema import Gear, Load, Pair, Planetary, Scene
 from .validate import meshes
 
 UNLOADED = 1e-9  # of the largest torque over the base radius: below, a static force is rounding
@@ -36,7 +36,7 @@ def describe(scene: Scene) -> dict[str, dict[str, Entry]]:
     return {
         "stages": {name: _stage(name, stage, speeds, statics) for name, stage in scene.stages.items()},
         "members": _members(scene, speeds),
-        "loads": _loads(scene, speeds),
+        "loads": _loads(scene, rigid, speeds),
     }
 
 
@@ -44,8 +44,9 @@ def load_warnings(scene: Scene) -> list[str]:
     """Return one line for every mesh that no load reaches, in a scene that has loads."""
     if not scene.loads:
         return []
-    statics = train.static_forces(scene, train.motion(scene)[0])
-    largest = max(abs(load.torque or 0.0) for load in scene.loads.values())
+    rigid = train.motion(scene)[0]
+    statics = train.static_forces(scene, rigid)
+    largest = max(abs(torque) for torque in _torques(scene, rigid).values())
     return [
         f"stages.{name}.{key}: no load reaches this mesh, so its teeth are not held together; "
         "check the loads' members and torques, and the couplings"
@@ -135,8 +136,11 @@ def _members(scene: Scene, speeds: dict[str, float]) -> dict[str, Entry]:
     return listed
 
 
-def _loads(scene: Scene, speeds: dict[str, float]) -> dict[str, Entry]:
-    """Describe all loads; power is torque times speed, and what drives gives power to the train."""
+def _loads(scene: Scene, rigid: train.Motion, speeds: dict[str, float]) -> dict[str, Entry]:
+    """Describe all loads; power is torque times speed, and what drives gives power to the train.
+
+    What varies is told by its largest torque and by ``over_time``.
+    """
     return {
         name: {
             "member": scene.loads[name].member,
@@ -144,19 +148,46 @@ def _loads(scene: Scene, speeds: dict[str, float]) -> dict[str, Entry]:
             "torque_n_m": torque,
             "power_kw": None if power is None else power / 1e3,
             "action": "" if not power else "drives" if power > 0 else "brakes",
+            "law": _law(scene.loads[name]),
         }
-        for name, torque, power in _powers(scene, speeds)
+        for name, torque, power in _powers(scene, rigid, speeds)
     }
 
 
-def _powers(scene: Scene, speeds: dict[str, float]) -> Iterator[tuple[str, float | None, float | None]]:
+def _law(load: Load) -> str:
+    """Say in words how a load varies; nothing where it does not."""
+    for pairs, factor, unit in ((load.speed_over_time, RPM, "r/min"), (load.torque_over_time, 1.0, "N m")):
+        if pairs is not None:
+            values = [value * factor for _, value in pairs]
+            span = f"from {pairs[0][0]:g} to {pairs[-1][0]:g} s in {len(pairs)} rows"
+            return f"{min(values):.6g} to {max(values):.6g} {unit} over time, {span}"
+    if load.slip is not None:
+        slip = load.slip
+        return (
+            f"slip law: {slip.synchronous_speed * RPM:.6g} r/min synchronous, "
+            f"breakdown {slip.breakdown_torque:.6g} N m at slip {slip.breakdown_slip:g}"
+        )
+    return ""
+
+
+def _torques(scene: Scene, rigid: train.Motion) -> dict[str, float]:
+    """Return load -> torque [N m] as in statics."""
+    return {
+        name: train.load_torque(load, rigid.ratios[load.member] * rigid.speed) for name, load in scene.loads.items()
+    }
+
+
+def _powers(
+    scene: Scene, rigid: train.Motion, speeds: dict[str, float]
+) -> Iterator[tuple[str, float | None, float | None]]:
     """Yield load, torque [N m] and power [W]; one held speed that turns supplies, without losses, what is missing."""
-    held = [name for name, load in scene.loads.items() if load.speed]
-    missing = -sum((load.torque or 0.0) * speeds[load.member] for load in scene.loads.values()) + 0.0
+    held = [name for name, load in scene.loads.items() if load.speed or load.speed_over_time]
+    torques = _torques(scene, rigid)
+    missing = -sum(torques[name] * speeds[load.member] for name, load in scene.loads.items()) + 0.0
     for name, load in scene.loads.items():
         speed = speeds[load.member]
-        if load.torque is not None:
-            yield name, load.torque, load.torque * speed
+        if not load.holds:
+            yield name, torques[name], torques[name] * speed
         elif speed == 0:
             yield name, None, 0.0
         else:

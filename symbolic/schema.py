@@ -12,6 +12,7 @@ from .quantities import (
     Acceleration,
     Angle,
     Bore,
+    BreakdownTorque,
     Damping,
     DecayRate,
     DecayTime,
@@ -26,9 +27,11 @@ from .quantities import (
     Ratio,
     SmallSpeed,
     Speed,
+    SpeedOverTime,
     Stiffness,
     Table,
     Torque,
+    TorqueOverTime,
     TorsionalDamping,
     TorsionalStiffness,
 )
@@ -224,20 +227,50 @@ class Coupling(Table):
     damping_ratio: Ratio | None = None
 
 
+class Slip(Table):
+    """Slip law of an asynchronous machine: above its synchronous speed it brakes, below it drives."""
+
+    synchronous_speed: Speed
+    breakdown_torque: BreakdownTorque
+    breakdown_slip: Ratio
+
+    def faults(self) -> Iterator[str]:
+        """Check that slip can be told."""
+        if self.synchronous_speed == 0:
+            yield ".synchronous_speed: must not be zero, slip refers to it"
+
+
 class Load(Table):
-    """What acts on a member: a speed that is held, or a torque (with the speed at the start)."""
+    """What acts on a member: a speed that is held, or a torque (with the speed at the start).
+
+    Over time both are linear between the rows of their table and constant beyond its ends.
+    """
 
     member: str
     speed: Speed | None = None
+    speed_over_time: SpeedOverTime | None = None
     torque: Torque | None = None
+    torque_over_time: TorqueOverTime | None = None
+    slip: Slip | None = None
     initial_speed: Speed | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Tell whether it holds a speed."""
+        return self.speed is not None or self.speed_over_time is not None
 
     def faults(self) -> Iterator[str]:
         """Check that there is one load."""
-        if (self.speed is None) == (self.torque is None):
-            yield "give either speed or torque"
-        if self.speed is not None and self.initial_speed is not None:
+        kinds = ("speed", "torque", "speed_over_time", "torque_over_time", "slip")
+        given = [kind for kind in kinds if getattr(self, kind) is not None]
+        if len(given) != 1:
+            yield f"give either speed or torque, one of {', '.join(kinds)}" + (
+                f", not {' and '.join(given)}" * bool(given)
+            )
+        if self.holds and self.initial_speed is not None:
             yield ".initial_speed: goes with torque; speed is held from the start"
+        if self.speed_over_time is not None and not any(speed for _, speed in self.speed_over_time):
+            yield '.speed_over_time: is zero throughout; write speed = "0 rpm"'
 
 
 class Rayleigh(Table):

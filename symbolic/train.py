@@ -5,12 +5,14 @@ Both are linear systems over the members that turn; planets of a stage move alik
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import dropwhile, takewhile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import gears
-from .schema import Member, Pair, Planetary, Rotor, Scene
+from .schema import Load, Member, Pair, Planetary, Rotor, Scene, Slip
+from .series import Pairs
 
 Vector = NDArray[np.float64]
 
@@ -19,7 +21,8 @@ Vector = NDArray[np.float64]
 class Motion:
     """The rigid motion: which load sets the reference speed, and every member's speed over it.
 
-    ``mode`` is ``rest``, ``speed`` (the reference is held) or ``torque`` (it is a member's own motion).
+    ``mode`` is ``rest``, ``speed`` (the reference is held) or ``torque`` (it is a member's own motion). Where it
+    is held over time, ``speed`` is that at the start, or for a start from zero that to which it runs up.
     """
 
     mode: str
@@ -91,13 +94,16 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     """Solve the rigid motion; the second value lists what makes it impossible or ambiguous."""
     everyone = members(scene)
     column = {name: i for i, name in enumerate(everyone)}
-    held = {load.member: load.speed for load in scene.loads.values() if load.speed is not None}
+    tables = {load.member: load.speed_over_time for load in scene.loads.values() if load.speed_over_time is not None}
+    held = {name: chief_speed(pairs) for name, pairs in tables.items()}
+    held |= {load.member: load.speed for load in scene.loads.values() if load.speed is not None}
     begun = {load.member: load.initial_speed for load in scene.loads.values() if load.initial_speed is not None}
     given = begun | held
     if not given:
         return Motion("rest", "", 0.0, dict.fromkeys(everyone, 0.0)), []
     # A member that is braked to zero cannot be the reference of those that turn.
     lead = next((name for name in (*held, *begun) if given[name]), next(iter(held or begun)))
+    lead = next(iter(tables), lead)
     speed = given[lead]
     rows = [row / np.abs(row).max() for _, row in _rolling_rows(scene, column)]
     right = [0.0] * len(rows)
@@ -105,6 +111,8 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     fixed_speeds = dict.fromkeys(still, 0.0) | {
         name: value / speed if speed else float(name == lead) for name, value in given.items()
     }
+    if tables and (apart := _apart(scene, tables, lead)):
+        return Motion("speed", lead, speed, dict.fromkeys(everyone, 0.0)), apart
     for name, value in fixed_speeds.items():
         row = np.zeros(len(column))
         row[column[name]] = 1.0
@@ -117,6 +125,61 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     faults = _motion_faults(matrix, vector, solution, int(rank), list(everyone))
     ratios = {name: float(solution[i]) + 0.0 for name, i in column.items()}
     return Motion("speed" if lead in held else "torque", lead, speed, ratios), faults
+
+
+def chief_speed(pairs: Pairs) -> float:
+    """Return a table's value at the start; where that is zero, the largest until it turns back; 0 for none."""
+    times, values = zip(*pairs, strict=True)
+    start = float(np.interp(0.0, times, values))
+    ahead = list(dropwhile(lambda value: value == 0, (value for time, value in pairs if time > 0)))
+    return start or max(takewhile(lambda value: value * ahead[0] > 0, ahead), key=abs, default=0.0)
+
+
+def _apart(scene: Scene, tables: dict[str, Pairs], lead: str) -> list[str]:
+    """Say which speeds are in no fixed ratio to one held over time."""
+    faults = []
+    for key, load in scene.loads.items():
+        name = load.member
+        if load.initial_speed is not None:
+            faults.append(f"loads.{key}.initial_speed: the start follows from the speed over time of {lead}; drop it")
+        if load.speed:
+            faults.append(f"loads.{key}.speed: beside {lead} with its speed over time it must be zero")
+        if name in tables and not _proportional(tables[name], tables[lead]):
+            faults.append(
+                f"loads.{key}.speed_over_time: must be that of {lead} times a constant, in the same rows; "
+                "one speed alone may vary"
+            )
+    return [f"loads: the speed over time of {lead} is zero from the start on; give a speed"] * (
+        not chief_speed(tables[lead])
+    ) + faults
+
+
+def _proportional(one: Pairs, two: Pairs) -> bool:
+    """Tell whether one table is the other times a constant."""
+    if [time for time, _ in one] != [time for time, _ in two]:
+        return False
+    a, b = np.array([value for _, value in one]), np.array([value for _, value in two])
+    return bool(np.abs(a * (b @ b) - b * (a @ b)).max() <= 1e-9 * np.abs(a).max() * (b @ b))
+
+
+def breakdown_speed(slip: Slip) -> float:
+    """Return by how much the speed of the largest torque lies beside the synchronous one [rad/s]."""
+    return slip.breakdown_slip * abs(slip.synchronous_speed)
+
+
+def slip_torque(slip: Slip, speed: float) -> float:
+    """Return the torque [N m] of the slip law (Kloss) at a speed [rad/s]."""
+    z = (speed - slip.synchronous_speed) / breakdown_speed(slip)
+    return -2 * slip.breakdown_torque * z / (1 + z**2)
+
+
+def load_torque(load: Load, speed: float) -> float:
+    """Return a load's torque [N m] for statics: the largest over time, that of the slip law at a speed [rad/s]."""
+    if load.slip is not None:
+        return slip_torque(load.slip, speed)
+    if load.torque_over_time is not None:
+        return max((torque for _, torque in load.torque_over_time), key=abs)
+    return load.torque or 0.0
 
 
 def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, names: list[str]) -> list[str]:
@@ -146,7 +209,7 @@ def static_forces(scene: Scene, rigid: Motion) -> dict[str, float]:
         pair = np.zeros(len(names))
         pair[column[coupling.between[0]]], pair[column[coupling.between[1]]] = -1.0, 1.0
         columns.append(pair)
-    driven = {load.member for load in scene.loads.values() if load.speed is not None}
+    driven = {load.member for load in scene.loads.values() if load.holds}
     for name in names:
         if is_fixed(everyone[name]) or everyone[name].torsional_support or name in driven:
             columns.append(np.eye(len(names))[column[name]])
@@ -154,7 +217,7 @@ def static_forces(scene: Scene, rigid: Motion) -> dict[str, float]:
         columns.append(np.array([-_train_inertia(scene, name) * rigid.ratios[name] for name in names]))
     load = np.zeros(len(names))
     for item in scene.loads.values():
-        load[column[item.member]] += item.torque or 0.0
+        load[column[item.member]] += load_torque(item, rigid.ratios[item.member] * rigid.speed)
     for name, member in everyone.items():
         load[column[name]] -= (member.drag or 0.0) * rigid.ratios[name] * rigid.speed
     forces = np.linalg.lstsq(np.array(columns).T, -load, rcond=None)[0] if columns else np.zeros(0)

@@ -98,11 +98,12 @@ def _references(everyone: Mapping[str, Member | Rotor | None], plain: Mapping[st
 def _loads(scene: Scene) -> Iterator[str]:
     """Check that speeds are given once, and not to members that cannot turn."""
     everyone = train.members(scene)
-    given = [load.member for load in scene.loads.values() if load.speed is not None or load.initial_speed is not None]
+    given = [load.member for load in scene.loads.values() if load.holds or load.initial_speed is not None]
     for name in dict.fromkeys(name for name in given if given.count(name) > 1):
         yield f"loads: the speed of {name} is given twice; keep one"
     for key, load in scene.loads.items():
-        if (load.speed or load.initial_speed) and everyone[load.member].torsional_support is not None:
+        turns = load.speed or load.initial_speed or load.speed_over_time
+        if turns and everyone[load.member].torsional_support is not None:
             yield f"loads.{key}: {load.member} has a torsional_support and cannot turn; drop the support or the speed"
     for name, stage in scene.stages.items():
         for part in ("input", "output") if isinstance(stage, Pair) and scene.loads else ():

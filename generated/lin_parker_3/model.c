@@ -2998,7 +2998,7 @@ CASADI_SYMBOL_EXPORT int outputs_work_bytes(casadi_int *sz_arg, casadi_int* sz_r
   return 0;
 }
 
-/* phases:(x[36],p[42])->(tau[0],tau_rate[0],share[0]) */
+/* phases:(x[36],s[0],p[42])->(tau[0],tau_rate[0],share[0]) */
 static int casadi_f3(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   return 0;
 }
@@ -3020,7 +3020,7 @@ CASADI_SYMBOL_EXPORT void phases_incref(void) {
 CASADI_SYMBOL_EXPORT void phases_decref(void) {
 }
 
-CASADI_SYMBOL_EXPORT casadi_int phases_n_in(void) { return 2;}
+CASADI_SYMBOL_EXPORT casadi_int phases_n_in(void) { return 3;}
 
 CASADI_SYMBOL_EXPORT casadi_int phases_n_out(void) { return 3;}
 
@@ -3033,7 +3033,8 @@ CASADI_SYMBOL_EXPORT casadi_real phases_default_in(casadi_int i) {
 CASADI_SYMBOL_EXPORT const char* phases_name_in(casadi_int i) {
   switch (i) {
     case 0: return "x";
-    case 1: return "p";
+    case 1: return "s";
+    case 2: return "p";
     default: return 0;
   }
 }
@@ -3050,7 +3051,8 @@ CASADI_SYMBOL_EXPORT const char* phases_name_out(casadi_int i) {
 CASADI_SYMBOL_EXPORT const casadi_int* phases_sparsity_in(casadi_int i) {
   switch (i) {
     case 0: return casadi_s0;
-    case 1: return casadi_s2;
+    case 1: return casadi_s1;
+    case 2: return casadi_s2;
     default: return 0;
   }
 }
@@ -3065,7 +3067,7 @@ CASADI_SYMBOL_EXPORT const casadi_int* phases_sparsity_out(casadi_int i) {
 }
 
 CASADI_SYMBOL_EXPORT int phases_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 2;
+  if (sz_arg) *sz_arg = 3;
   if (sz_res) *sz_res = 3;
   if (sz_iw) *sz_iw = 0;
   if (sz_w) *sz_w = 0;
@@ -3073,7 +3075,7 @@ CASADI_SYMBOL_EXPORT int phases_work(casadi_int *sz_arg, casadi_int* sz_res, cas
 }
 
 CASADI_SYMBOL_EXPORT int phases_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 2*sizeof(const casadi_real*);
+  if (sz_arg) *sz_arg = 3*sizeof(const casadi_real*);
   if (sz_res) *sz_res = 3*sizeof(casadi_real*);
   if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
   if (sz_w) *sz_w = 0*sizeof(casadi_real);

@@ -9,6 +9,7 @@ from ..validate import meshes
 from .bodies import add_body, add_coupling, add_gravity, add_member, add_pin
 from .draft import Draft, MeshPlace
 from .gearing import add_mesh
+from .loading import add_load, add_reference
 from .rayleigh import add_rayleigh
 from .rigid import find_leaders, in_plane, pin_places, rigid_pins
 
@@ -28,8 +29,7 @@ def build_model(scene: Scene) -> Model:
     """
     rigid, _ = train.motion(scene)
     draft = Draft(scene, rigid, train.static_forces(scene, rigid), leaders=find_leaders(scene, rigid))
-    if rigid.mode != "rest":
-        draft.number("reference.speed", rigid.speed, "rad/s")
+    add_reference(draft)
     for name, rotor in scene.rotors.items():
         add_member(draft, name, rotor, "")
     for name, stage in scene.stages.items():
@@ -40,9 +40,7 @@ def build_model(scene: Scene) -> Model:
     for name, coupling in scene.couplings.items():
         add_coupling(draft, name, coupling)
     for name, load in scene.loads.items():
-        if load.torque is not None:
-            torque = draft.number(f"loads.{name}.torque", load.torque, "N*m")
-            draft.place(f"loads.{name}", ("external_torque",), (load.member,), T=torque)
+        add_load(draft, name, load)
     if draft.on("gravity"):
         add_gravity(draft)
     add_rayleigh(draft)
@@ -50,6 +48,7 @@ def build_model(scene: Scene) -> Model:
         scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, tuple(draft.instances),
         tuple(draft.levels), tuple(draft.phases), tuple(draft.profiles), tuple(draft.rollings),
         tuple(draft.parameters.values()), dict(scene.effects), draft.statics,
+        tuple(draft.signals.values()), draft.tables,
     )  # fmt: skip
 
 

@@ -2,10 +2,13 @@
 
 from dataclasses import dataclass, field
 
+from ltcgear.generated.contract import Signal
+
 from .. import train
 from ..mesh_schema import Mesh
 from ..model import Body, Instance, Level, Parameter, Phase, Profile, Rolling
 from ..schema import Gear, Pair, Planetary, Scene
+from ..series import Pairs
 
 
 @dataclass
@@ -51,10 +54,18 @@ class Draft:
     parameters: dict[str, Parameter] = field(default_factory=dict)
     frames: dict[str, str | None] = field(default_factory=lambda: {"": None})
     leaders: dict[str, str] = field(default_factory=dict)
+    signals: dict[str, Signal] = field(default_factory=dict)
+    tables: dict[str, Pairs] = field(default_factory=dict)
 
     def number(self, name: str, value: float, unit: str) -> str:
         """Note a parameter and return its name."""
         self.parameters[name] = Parameter(name, float(value), unit)
+        return name
+
+    def signal(self, name: str, unit: str, table: str, pairs: Pairs, slope: bool = False) -> str:
+        """Note a load signal with the table it is read from, and return its name."""
+        self.signals[name] = Signal(name, unit, table, slope)
+        self.tables[table] = pairs
         return name
 
     def place(self, name: str, element: tuple[str | bool, ...], bodies: tuple[str, ...], **bind: str) -> None:

@@ -15,7 +15,7 @@ def turning_of(scene: Scene, rigid: train.Motion, name: str, member: Member | Ro
     """Say how the angle of a member that turns on its own is described."""
     if train.is_fixed(member):
         return "held"
-    if any(load.member == name and load.speed is not None for load in scene.loads.values()):
+    if any(load.member == name and load.holds for load in scene.loads.values()):
         return "driven"
     return "reference" if rigid.mode == "torque" and rigid.member == name else "free"
 

@@ -32,7 +32,7 @@ SIZE, RATE, ANGLE, TURN = 1e-4, 1e-1, 50.0, 1.0
 
 @dataclass(frozen=True)
 class Points:
-    """Where right-hand sides are compared: columns of states, levels and parameters."""
+    """Where right-hand sides are compared: columns of states, levels and load signals, and parameters."""
 
     x: Array
     s: Array
@@ -62,8 +62,18 @@ def random_points(model: Model, equations: Equations, angle: float, size: float 
         else:
             row *= size * (RATE if state.name.endswith(".rate") else SIZE)
     levels = rng.uniform(0.0, 1.0, (len(equations.levels), STATES))
+    signals = rng.uniform(-1.0, 1.0, (len(model.signals), STATES)) * signal_sizes(model)[:, None]
     numbers = np.repeat(np.array([list(values.values())]).T, STATES, axis=1)
-    return Points(draws, levels, numbers)
+    return Points(draws, np.vstack([levels, signals]), numbers)
+
+
+def signal_sizes(model: Model) -> Array:
+    """Return the largest value of every load signal."""
+    sizes = []
+    for signal in model.signals:
+        time, value = np.array(model.tables[signal.table]).T
+        sizes.append(np.abs(np.diff(value) / np.diff(time) if signal.slope else value).max())
+    return np.array(sizes, dtype=np.float64)
 
 
 def evaluate(equations: Equations, expression: Any, points: Points) -> Array:  # noqa: ANN401
@@ -228,9 +238,11 @@ def momentum_rates(model: Model, equations: Equations) -> Any:  # noqa: ANN401
     """
     number = {name: equations.p[i] for i, (name, _) in enumerate(equations.parameters)}
 
+    sdot = signal_rates(model, equations)
+
     def twice(motion: Any) -> Any:  # noqa: ANN401
         for _ in range(2):
-            motion = ca.jtimes(motion, equations.x, equations.xdot)
+            motion = ca.jtimes(motion, equations.x, equations.xdot) + ca.jtimes(motion, equations.s, sdot)
         return motion
 
     rates, offsets = [], {}
@@ -250,6 +262,15 @@ def momentum_rates(model: Model, equations: Equations) -> Any:  # noqa: ANN401
                     rate += offsets[other.name][0] * ay - offsets[other.name][1] * ax
             rates.append(rate)
     return ca.vertcat(*rates)
+
+
+def signal_rates(model: Model, equations: Equations) -> Any:  # noqa: ANN401
+    """Return the rates of s as far as motion depends on them: a reference speed over time changes by its own."""
+    places = {signal.name: len(equations.levels) + i for i, signal in enumerate(model.signals)}
+    rates = ca.SX.zeros(*equations.s.shape)
+    if "reference.speed" in places:
+        rates[places["reference.speed"]] = equations.s[places["reference.acceleration"]]
+    return rates
 
 
 def momentum_forces(model: Model, equations: Equations) -> Any:  # noqa: ANN401

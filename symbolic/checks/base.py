@@ -51,6 +51,7 @@ TITLES = {
     "torsional_support": "torsional support",
     "drag": "rotor drag",
     "external_torque": "load torque",
+    "slip_torque": "slip law",
     "gravity": "weight",
     "rayleigh": "Rayleigh damping by mass",
 }

@@ -224,7 +224,7 @@ def element_physics(bench: Bench) -> list[Check]:
         checks.append(conservative_force(bench))
     if len(element.ports) > 1 and element.closed:
         checks += action_and_reaction(bench)
-    if sp.sympify(element.dissipation) != 0:
+    if sp.sympify(element.dissipation) != 0 and not element.load:
         checks += dissipated_power(bench)
     return [*checks, homogeneous(bench)]
 

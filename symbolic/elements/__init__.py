@@ -11,7 +11,7 @@ from .mesh import mesh
 from .mesh_friction import mesh_friction
 from .mesh_sliding import mesh_sliding
 from .rayleigh import rayleigh
-from .torsion import coupling, drag, external_torque, torsional_support
+from .torsion import coupling, drag, external_torque, slip_torque, torsional_support
 
 TYPES: dict[str, Callable[..., Element]] = {
     "mesh": mesh,
@@ -27,6 +27,7 @@ TYPES: dict[str, Callable[..., Element]] = {
     "torsional_support": torsional_support,
     "drag": drag,
     "external_torque": external_torque,
+    "slip_torque": slip_torque,
     "rayleigh": rayleigh,
     "gravity": gravity,
 }

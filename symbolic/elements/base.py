@@ -79,6 +79,8 @@ class Element:
         Equation number or citation.
     gradient
         False where the wrench is not the gradient of the potential by design (the paper's mesh law).
+    load
+        True where it acts from outside: its power is given to the train, its energies are no energy of the train.
     closed
         False where the housing takes a part that is not written, so that the ports alone are not in balance.
     """
@@ -93,6 +95,7 @@ class Element:
     outputs: Mapping[str, Output] = field(default_factory=dict)
     rates: str = "frame"
     gradient: bool = True
+    load: bool = False
     closed: bool = True
 
     @property

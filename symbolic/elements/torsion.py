@@ -1,11 +1,12 @@
-"""Torsional elements: couplings between shafts, supports in the housing, drag, external torque."""
+"""Torsional elements: couplings between shafts, supports in the housing, drag, external torque, slip law."""
 
 import sympy as sp
 
 from .base import Element, Output, Port, positive, real
 
 K, C = positive("k_t"), positive("c_t")
-T = real("T")
+T, OMEGA_S = real("T"), real("omega_s")
+T_B, OMEGA_B = positive("T_b"), positive("omega_b")
 
 
 def coupling(damped: bool) -> Element:
@@ -71,5 +72,34 @@ def external_torque() -> Element:
         potential=-T * body.theta,
         wrench=(sp.S.Zero, sp.S.Zero, T),
         outputs={"torque": Output(T, "N*m")},
+        load=True,
         source="Wu et al. 2021 eqs 31-38",
+    )
+
+
+def slip_torque() -> Element:
+    r"""Write the torque of an asynchronous machine by Kloss's formula.
+
+    Slip over breakdown slip is :math:`z = (\omega - \omega_s)/\omega_b`, the breakdown slip speed
+    :math:`\omega_b` being the share :math:`g_b` of :math:`|\omega_s|`, and
+
+    .. math:: T = -\frac{2 T_b}{z + 1/z} = -2 T_b\,\frac{z}{1 + z^2} ,
+
+    which brakes above the synchronous speed, whichever way that is. The stator's resistance is left out, so
+    braking and driving breakdown torques are alike. The dissipation function is one for the law's slope only:
+    the torque is a load, and its power may be positive.
+    """
+    body = Port.numbered(1)
+    z = (body.omega - OMEGA_S) / OMEGA_B
+    torque = -2 * T_B * z / (1 + z**2)
+    return Element(
+        name="slip_torque",
+        ports=(body,),
+        parameters={OMEGA_S: "rad/s", OMEGA_B: "rad/s", T_B: "N*m"},
+        dissipation=T_B * OMEGA_B * sp.log(1 + z**2),
+        wrench=(sp.S.Zero, sp.S.Zero, torque),
+        outputs={"torque": Output(torque, "N*m")},
+        rates="absolute",
+        load=True,
+        source="Kloss's formula, in textbooks on electrical machines as T / T_b = 2 / (s / s_b + s_b / s)",
     )

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from ltcgear.generated import store
-from ltcgear.generated.contract import Artifact, Manifest, Report, Signature, State
+from ltcgear.generated.contract import FORMAT, Artifact, Manifest, Report, Signal, Signature, State
 from ltcgear.generated.errors import CompileError, LtcgearError
 
 C = "double answer(void) { return 42.0; }\n"
@@ -62,6 +62,7 @@ def artifact():
         store.digest([C, GRAPHS]), "rest", (State("a.u", "rad", "a", "u", "a.inertia"),), ("m.1",),
         (("a.inertia", "kg*m^2"),),
         (Report("speed", "a", "rad/s", "rotor"),), {"rhs": signature}, "3.8.2",
+        (Signal("reference.acceleration", "rad/s^2", "loads.m.speed_over_time", True),),
     )  # fmt: skip
     return Artifact(C, manifest, GRAPHS)
 
@@ -317,7 +318,7 @@ def test_many_processes_at_one_key_never_miss(home, contents):
 def test_a_manifest_of_another_format_is_not_read(home):
     store.put(KEY, artifact())
     path = home / "models" / KEY / "manifest.json"
-    path.write_text(path.read_text().replace('"format": 1', '"format": 2'))
+    path.write_text(path.read_text().replace(f'"format": {FORMAT}', f'"format": {FORMAT + 1}'))
     assert store.get(KEY) is None
 
 

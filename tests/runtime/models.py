@@ -38,7 +38,7 @@ class Case:
 
     @cached_property
     def at(self) -> Equilibrium:
-        return find_equilibrium(self.library, self.p)
+        return find_equilibrium(self.library, self.p, tables=self.model.tables)
 
     def state(self, name: str) -> int:
         """The index of a state."""
@@ -55,12 +55,18 @@ class Case:
 
     def mesh_forces(self, path: Trajectory) -> np.ndarray:
         """All mesh forces of a run, shape (times, meshes)."""
-        return np.array(list(self.quantity("mesh_force", path.x, path.levels).values())).T
+        return np.array(list(self.quantity("mesh_force", path.x, path.s).values())).T
 
     def run(self, **options: Any) -> Trajectory:
         """Integrate from the equilibrium, or from another start given as ``at``."""
         at = options.pop("at", None) or self.at
-        options = {"t_end": 0.1, "rate": 8192.0, "method": "cvodes", "rtol": 1e-7} | options
+        options = {
+            "tables": self.model.tables,
+            "t_end": 0.1,
+            "rate": 8192.0,
+            "method": "cvodes",
+            "rtol": 1e-7,
+        } | options
         return integrate(self.library, self.p, at, **options)
 
 

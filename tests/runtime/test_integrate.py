@@ -354,7 +354,7 @@ def test_both_engines_evaluate_alike():
     c = case("rig-2mw")
     x = displaced(c, size=1e-5).x
     levels = np.linspace(0, 1, len(c.library.manifest.levels))
-    for name, arguments in (("rhs", (x, levels, c.p)), ("outputs", (x, levels, c.p)), ("phases", (x, c.p))):
+    for name, arguments in (("rhs", (x, levels, c.p)), ("outputs", (x, levels, c.p)), ("phases", (x, levels, c.p))):
         one = Kernel(c.library.functions[name])(*arguments)[0]
         two = Kernel(c.library.graphs[name])(*arguments)[0]
         assert np.abs(one - two).max() <= 1e-11 * np.abs(one).max()

@@ -174,7 +174,7 @@ def fake_run(*rows):
     outputs = ca.Function("outputs", [x, levels, p], [ca.densify(p[0] * x + 0 * levels[0])])
     library = SimpleNamespace(functions={"outputs": outputs}, manifest=SimpleNamespace(reports=tuple(reports)))
     time = np.arange(rows[0].size) / (KEPT * OVERSAMPLE)
-    return library, np.ones(1), SimpleNamespace(time=time, x=np.stack(rows, axis=1), levels=np.ones((time.size, 1)))
+    return library, np.ones(1), SimpleNamespace(time=time, x=np.stack(rows, axis=1), s=np.ones((time.size, 1)))
 
 
 def fine_time(seconds=1.0):
