@@ -20,6 +20,8 @@ PULL = "contact.pull"
 """The parameter by which one-sided teeth may pull; 0 in every run."""
 PULLS = (1.0, 1e-3, 1e-6)
 """Shares of their stiffness with which teeth pull on the way to the equilibrium."""
+VARYING = "phase.varying"
+"""The parameter that lets stiffness and errors vary with the mesh phase; 1 in every run, 0 for their means."""
 CLOSING = "bearing.closing"
 """The part of bearings' clearance that is taken away; 0 in every run."""
 
@@ -77,10 +79,21 @@ def inertias(library: Library, p: Vector) -> Vector:
     return np.array([p[known[library.manifest.states[i].inertia]] for i in library.index("")])
 
 
+def settled(library: Library, p: Vector) -> Vector:
+    """Return the parameters with means over the mesh phase in place of what varies with it."""
+    return _replaced(library, p, VARYING, 0.0)
+
+
 def pulling(library: Library, p: Vector, share: float = 1.0) -> Vector:
-    """Return the parameters with one-sided teeth that pull with a share of their stiffness."""
-    names = np.array([name for name, _ in library.manifest.parameters])
-    return np.asarray(np.where(names == PULL, share, p))
+    """Return the settled parameters with one-sided teeth that pull with a share of their stiffness."""
+    return _replaced(library, settled(library, p), PULL, share)
+
+
+def _replaced(library: Library, p: Vector, name: str, value: float) -> Vector:
+    """Return the parameters with another value of one, where the model has it."""
+    return np.array(
+        [value if known == name else old for (known, _), old in zip(library.manifest.parameters, p, strict=True)]
+    )
 
 
 def find_equilibrium(
@@ -88,7 +101,8 @@ def find_equilibrium(
 ) -> Equilibrium:
     """Solve for vanishing vibration accelerations with Newton's method on the generated Jacobian.
 
-    Loads over time are those just before the start: a speed that begins to rise there has not begun.
+    Stiffness and errors that vary with the mesh phase are at their means. Loads over time are those just before the
+    start: a speed that begins to rise there has not begun.
 
     Parameters
     ----------
@@ -109,10 +123,10 @@ def find_equilibrium(
     x = start_state(library, p)
     levels = mean_levels(library, x, p) if levels is None else levels
     signals = Signals(library.manifest.signals, tables or {}).before(0.0)
-    names = np.array([name for name, _ in library.manifest.parameters])
+    names = [name for name, _ in library.manifest.parameters]
 
     def search(x: Vector, pull: float, closing: float = 0.0) -> Vector:
-        chosen = np.where(names == CLOSING, closing, pulling(library, p, pull))
+        chosen = _replaced(library, pulling(library, p, pull), CLOSING, closing)
         return _newton(library, chosen, x, levels, signals).x
 
     if CLOSING in names:
@@ -123,7 +137,7 @@ def find_equilibrium(
         # too, which lies behind its gap.
         for share in PULLS:
             x = search(x, share)
-    return _newton(library, p, x, levels, signals)
+    return _newton(library, settled(library, p), x, levels, signals)
 
 
 def _newton(library: Library, p: Vector, x: Vector, levels: Vector, signals: Vector) -> Equilibrium:

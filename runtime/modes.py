@@ -6,7 +6,7 @@ import numpy as np
 from ltcgear.generated.contract import State
 from numpy.typing import NDArray
 
-from .equilibrium import Equilibrium, state_matrix
+from .equilibrium import Equilibrium, settled, state_matrix
 from .integration import vibration_scale
 from .library import Library
 
@@ -55,7 +55,8 @@ class _Motions:
 def find_modes(library: Library, at: Equilibrium, p: Vector) -> list[Mode]:
     """Return all modes about an equilibrium, ascending, rigid-body modes first.
 
-    The coordinates turn with the carriers, so gyroscopic and centrifugal terms are in the Jacobian.
+    Stiffness is its mean over the mesh phase. The coordinates turn with the carriers, so gyroscopic and centrifugal
+    terms are in the Jacobian.
     """
     names = [state.name for state in library.manifest.states]
     # Where the speed is held, the reference angle is a clock and no freedom.
@@ -63,7 +64,7 @@ def find_modes(library: Library, at: Equilibrium, p: Vector) -> list[Mode]:
         i for i, name in enumerate(names) if not (name == "reference.angle" and library.manifest.reference == "speed")
     ]
     scale = vibration_scale(library, at, p)[kept]
-    matrix = state_matrix(library, at.x, at.s, p)[np.ix_(kept, kept)]
+    matrix = state_matrix(library, at.x, at.s, settled(library, p))[np.ix_(kept, kept)]
     found = np.linalg.eig(matrix * scale[None, :] / scale[:, None])
     values: Complex = found.eigenvalues.astype(np.complex128)
     motions = _motions(library, at, p)

@@ -171,7 +171,6 @@ def test_torsional_only_is_the_limit_of_stiff_bearings_and_pins(scene, settings,
     assert errors[0] / errors[1] == pytest.approx(100.0, rel=0.02)
 
 
-@pytest.mark.xfail(strict=True, reason="smooth laws are frozen at the start's phase", raises=AssertionError)
 @pytest.mark.parametrize("law", [SMOOTH, FOURIER])
 def test_modes_are_those_of_the_mean_stiffness(law):
     """Which phase a run begins at is no property of a gearbox."""
