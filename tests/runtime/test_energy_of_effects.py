@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ltcgear.runtime.equilibrium import _newton
 from ltcgear.runtime.modes import find_modes
 from ltcgear.runtime.results import energy_residual
 
@@ -30,7 +31,7 @@ def test_energy_is_kept(variant):
     if ONE_FLANK in settings:  # flanks opposite to the load do not hold it
         settings = tuple(setting for setting in settings if setting not in OPPOSITE)
     found = case("rig-2mw", *settings)
-    path = found.run(method="erk", rtol=1e-11 if variant == HAMMERING else 1e-8, t_end=0.05)
+    path = found.run(method="erk", rtol=1e-11 if variant == HAMMERING else 1e-9, t_end=0.05)
     assert path.status == "done"
     assert abs(energy_residual(found.library, found.p, found.at, path)) < 1e-7
 
@@ -102,9 +103,11 @@ def test_the_torque_of_the_stiffness_at_rest_is_that_of_closed_form():
     driven = ("-loads.input.speed", f'loads.input.torque = "{-torque} N*m"')
     held = ("-loads.output.torque", 'loads.output.speed = "1795.016 rpm"')
     found = case("psh", STEEP, SMOOTH, TORQUE, TORSIONAL, *driven, *held)
-    values = found.outputs(found.at.x, found.at.levels)
+    # An equilibrium is found at the mean stiffness; here it is wanted at this very phase.
+    at = _newton(found.library, found.p, found.at.x, found.at.levels, found.at.signals)
+    values = found.outputs(at.x, at.levels)
     force, deflection = (values[key, "psh.mesh"][0] for key in ("mesh_force", "mesh_deflection"))
-    phase = -59 * found.at.x[found.state("psh.input.u")] / (2 * np.pi)
+    phase = -59 * at.x[found.state("psh.input.u")] / (2 * np.pi)
     stiffness, slope = smooth_levels(phase, 1.0, 1.5, 0.4, 0.1)  # near its start the pitch's share does not count
     pull = float(slope / stiffness) * deflection / BASE_PITCH / 2
     assert pull < -0.008
