@@ -14,6 +14,7 @@ from ltcgear.generated.contract import Report, State
 
 from .elements import make
 from .joints import Joints, rotate
+from .kinematics import Kinematics
 from .lower import body_function, element_function
 from .model import BACK, BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model
 from .profiles import evaluate
@@ -104,116 +105,8 @@ def derive(model: Model, derivation: str = "newton", basis: str = "frame") -> Eq
     return _Assembly(model, derivation, basis).equations()
 
 
-class _Assembly:
-    """One derivation under way: symbols by name, ports of bodies, sums of wrenches."""
-
-    def __init__(self, model: Model, derivation: str, basis: str) -> None:
-        self.model, self.derivation, self.basis = model, derivation, basis
-        self.bodies = {body.name: body for body in model.bodies}
-        self.p = ca.SX.sym("p", len(model.parameters))
-        self.number = {q.name: self.p[i] for i, q in enumerate(model.parameters)}
-        self.s = ca.SX.sym("s", len(model.levels) + len(model.signals))
-        self.level = {level.name: self.s[i] for i, level in enumerate(model.levels)}
-        self.number |= {signal.name: self.s[len(self.level) + i] for i, signal in enumerate(model.signals)}
-        self.states = tuple(self._states())
-        self.x = ca.SX.sym("x", len(self.states))
-        self.value = {state.name: self.x[i] for i, state in enumerate(self.states)}
-        self.phi = self.value.get("reference.angle", ca.SX(0))
-        self.speed = self.value.get("reference.speed", self.number.get("reference.speed", ca.SX(0)))
-
-    def _states(self) -> Iterator[State]:
-        """List the states: reference angle, deviations, (reference speed), rates of the deviations."""
-        moving = [(body, axis) for body in self.model.bodies for axis in self._axes(body)]
-        lead = next((body for body in self.model.bodies if body.turning == "reference"), None)
-        if self.model.reference != "rest":
-            yield State("reference.angle", "rad", lead.name if lead else "", "theta", "")
-        for body, axis in moving:
-            yield State(
-                f"{body.name}.{axis}",
-                "rad" if axis == "u" else "m",
-                body.name,
-                axis,
-                self._inertia(body, axis),
-            )
-        if lead is not None:
-            yield State("reference.speed", "rad/s", lead.name, "theta", lead.inertia or "")
-        for body, axis in moving:
-            unit = "rad/s" if axis == "u" else "m/s"
-            yield State(f"{body.name}.{axis}.rate", unit, body.name, axis, self._inertia(body, axis))
-
-    @staticmethod
-    def _axes(body: Body) -> tuple[str, ...]:
-        """Return the axes along which a body moves on its own."""
-        return ("x", "y") * body.lateral + ("u",) * (body.turning == "free")
-
-    @staticmethod
-    def _inertia(body: Body, axis: str) -> str:
-        """Return the parameter that is the inertia along an axis."""
-        return (body.inertia if axis == "u" else body.mass) or ""
-
-    def frame_turn(self, body: Body) -> tuple[Any, Any]:
-        """Return angle and speed of a body's frame."""
-        ratio = self.model.frames[body.frame]
-        if ratio is None:
-            return ca.SX(0), ca.SX(0)
-        return self.number[ratio] * self.phi, self.number[ratio] * self.speed
-
-    def twist(self, body: Body) -> tuple[Any, Any]:
-        """Return a body's deviation of angle and its rate, which are its leader's where it has one."""
-        name = body.leader or body.name
-        return self.value.get(f"{name}.u", ca.SX(0)), self.value.get(f"{name}.u.rate", ca.SX(0))
-
-    def motion(self, body: Body) -> tuple[list[Any], list[Any]]:
-        """Return a body's position and rates in its frame."""
-        u, w = self.twist(body)
-        if body.seat is not None:
-            (x, y, _), (vx, vy, _) = self.motion(self.bodies[body.seat])
-            turning = self.turning(self.bodies[body.seat])[1]
-            ax, ay = self.arm(body)
-            return [x + ax, y + ay, u], [vx - turning * ay, vy + turning * ax, w]
-        x, y = (self.value.get(f"{body.name}.{axis}", ca.SX(0)) for axis in "xy")
-        vx, vy = (self.value.get(f"{body.name}.{axis}.rate", ca.SX(0)) for axis in "xy")
-        if body.place is not None:
-            x, y = x + self.number[body.place[0]], y + self.number[body.place[1]]
-        return [x, y, u], [vx, vy, w]
-
-    def turning(self, body: Body) -> tuple[Any, Any]:
-        """Return by how much a body has turned in its frame, and how fast it turns there."""
-        (u, w), frame = self.twist(body), self.model.frames[body.frame]
-        if body.ratio == frame:
-            return u, w
-        relative = self._ratio(body) - (self.number[frame] if frame else 0)
-        return relative * self.phi + u, relative * self.speed + w
-
-    def _ratio(self, body: Body) -> Any:  # noqa: ANN401
-        """Return a body's speed over the reference speed."""
-        return self.number[body.ratio] if body.ratio else ca.SX(0)
-
-    def arm(self, body: Body) -> list[Any]:
-        """Return the arm [m] from the centre of a body's seat to its own, in its frame."""
-        assert body.seat is not None
-        assert body.place is not None
-        return rotate(self.turning(self.bodies[body.seat])[0], *(self.number[name] for name in body.place))
-
-    def port(self, body: Body, rates: str) -> tuple[list[Any], list[Any]]:
-        """Return the position and the rates that an element sees of a body, in the basis chosen."""
-        (x, y, u), (vx, vy, w) = self.motion(body)
-        if rates == "frame" and self.basis == "frame":
-            return [x, y, u], [vx, vy, w]
-        if rates == "deviation":
-            return self._turned(body, [x, y, u], [vx, vy, w])
-        beta, turn = self.frame_turn(body)
-        vx, vy, w = vx - turn * y, vy + turn * x, w + self._ratio(body) * self.speed
-        if self.basis == "frame":
-            return [x, y, u], [vx, vy, w]
-        return [*rotate(beta, x, y), u + self._ratio(body) * self.phi], [*rotate(beta, vx, vy), w]
-
-    def _turned(self, body: Body, at: list[Any], rates: list[Any]) -> tuple[list[Any], list[Any]]:
-        """Return position and rates in the frame, resolved in the basis chosen."""
-        if self.basis == "frame":
-            return at, rates
-        beta, _ = self.frame_turn(body)
-        return [*rotate(beta, *at[:2]), self._angle(body)], [*rotate(beta, *rates[:2]), rates[2]]
+class _Assembly(Kinematics):
+    """One derivation under way: elements at the ports of bodies, sums of wrenches."""
 
     def call(self, instance: Instance, still: bool = False) -> dict[str, Any]:
         """Evaluate one element instance, or what it would give if nothing moved (``still``)."""
@@ -313,19 +206,9 @@ class _Assembly:
             tuple((q.name, q.unit) for q in self.model.parameters),
             self._right_hand_side(self.forces), tuple(report for report, _ in reports),
             ca.vertcat(*(value for _, value in reports)), self._phases(), self._energy(results, self.forces), forces,
-            carried, {b.name: self._position(b) for b in self.model.bodies},
-            {b.name: self._angle(b) for b in self.model.bodies},
+            carried, {b.name: self.position(b) for b in self.model.bodies},
+            {b.name: self.angle(b) for b in self.model.bodies},
         )  # fmt: skip
-
-    def _position(self, body: Body) -> ca.SX:
-        """Return a body's position in inertial axes."""
-        (x, y, _), _ = self.motion(body)
-        position: ca.SX = ca.vertcat(*rotate(self.frame_turn(body)[0], x, y))
-        return position
-
-    def _angle(self, body: Body) -> Any:  # noqa: ANN401
-        """Return a body's absolute angle."""
-        return self._ratio(body) * self.phi + self.twist(body)[0]
 
     def _reference_acceleration(self, forces: dict[str, ca.SX]) -> Any:  # noqa: ANN401
         """Return phi'': zero for a held speed, a signal for one over time, else the reference member's own."""
@@ -336,7 +219,7 @@ class _Assembly:
 
     def _drive_torque(self, body: Body) -> Any:  # noqa: ANN401
         """Return the torque that holds a body's speed: against what acts on it, and for its acceleration."""
-        own = Joints(self).inertia(body) * self._ratio(body) * self._reference_acceleration(self.forces)
+        own = Joints(self).inertia(body) * self.ratio(body) * self._reference_acceleration(self.forces)
         return own - self.forces[body.name][2]
 
     def _right_hand_side(self, forces: dict[str, ca.SX]) -> ca.SX:
@@ -345,7 +228,7 @@ class _Assembly:
         rate = {"reference.angle": self.speed, "reference.speed": phi_dd}
         for body in self.model.bodies:
             acceleration = self._acceleration(body, forces[body.name], phi_dd)
-            for axis in self._axes(body):
+            for axis in self.axes(body):
                 rate[f"{body.name}.{axis}"] = self.value[f"{body.name}.{axis}.rate"]
                 rate[f"{body.name}.{axis}.rate"] = acceleration[f"a{axis}"]
         right: ca.SX = ca.vertcat(*(rate[state.name] for state in self.states))
@@ -361,7 +244,7 @@ class _Assembly:
         given = {
             "x": x, "y": y, "vx": vx, "vy": vy, "fx": fx, "fy": fy, "torque": force[2],
             "m": self.number.get(body.mass or "", ca.SX(1)),
-            "inertia": Joints(self).inertia(body) if body.inertia else ca.SX(1), "ratio": self._ratio(body),
+            "inertia": Joints(self).inertia(body) if body.inertia else ca.SX(1), "ratio": self.ratio(body),
             "frame_ratio": self.number[ratio] if ratio else ca.SX(0), "phi_d": self.speed, "phi_dd": phi_dd,
         }  # fmt: skip
         result: dict[str, Any] = body_function(self.derivation)(**given)
@@ -370,10 +253,10 @@ class _Assembly:
     def _spin(self, body: Body, phi_dd: Any) -> Any:  # noqa: ANN401
         """Return a body's absolute angular acceleration."""
         lead = self.bodies[body.leader or body.name]
-        rigid = self._ratio(body) * phi_dd
+        rigid = self.ratio(body) * phi_dd
         if lead.turning != "free":
             return rigid
-        return rigid + self.forces[lead.name][2] / Joints(self).inertia(lead) - self._ratio(lead) * phi_dd
+        return rigid + self.forces[lead.name][2] / Joints(self).inertia(lead) - self.ratio(lead) * phi_dd
 
     def _reports(
         self, results: list[tuple[Instance, dict[str, Any]]], forces: dict[str, ca.SX]
@@ -406,7 +289,7 @@ class _Assembly:
         """Return the angle of gear 1 against the line of centres, its rigid part included."""
         body = self.bodies[gear]
         frame = self.model.frames[body.frame]
-        return (self._ratio(body) - (self.number[frame] if frame else 0)) * self.phi + rolling
+        return (self.ratio(body) - (self.number[frame] if frame else 0)) * self.phi + rolling
 
     def _body_reports(self, body: Body, force: ca.SX) -> Iterator[tuple[Report, Any]]:
         """List what a body shows: acceleration and displacement, speed and twist, the torque that drives it."""
@@ -420,25 +303,18 @@ class _Assembly:
                 )
             for axis, value in zip("xy", rotate(beta, fx / mass, fy / mass), strict=True):
                 yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member"), value
-            for axis, value in zip("xy", self._velocity(body), strict=True):
+            for axis, value in zip("xy", self.velocity(body), strict=True):
                 yield Report(f"velocity_{axis}", body.name, "m/s", "member"), value
             for axis in "xy":
                 yield Report(f"displacement_{axis}", body.name, "m", "member"), self.value[f"{body.name}.{axis}"]
         if self.bodies[body.leader or body.name].turning != "held" and body.turning != "point":
             deviation, rate = self.twist(body)
-            yield Report("speed", body.name, "rad/s", "rotor"), self._ratio(body) * self.speed + rate
+            yield Report("speed", body.name, "rad/s", "rotor"), self.ratio(body) * self.speed + rate
             yield Report("twist", body.name, "rad", "rotor"), deviation
             turning = self._spin(body, self._reference_acceleration(self.forces))
             yield Report("angular_acceleration", body.name, "rad/s^2", "rotor"), turning
         if body.turning == "driven":
             yield Report("drive_torque", body.name, "N*m", "drive"), self._drive_torque(body)
-
-    def _velocity(self, body: Body) -> list[Any]:
-        """Return a body's velocity against the ground, in inertial axes."""
-        chosen, self.basis = self.basis, "inertial"
-        _, (vx, vy, _) = self.port(body, "absolute")
-        self.basis = chosen
-        return [vx, vy]
 
     def _phases(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Return phase, phase rate and share of single contact of every level (eqs 9-11)."""
