@@ -224,8 +224,8 @@ def _profile(key: str, geometry: tuple[Planetary | Pair, Mesh, Gear, Gear, int])
     single, double = mesh_stiffness.levels(*geometry)
     if double is not None:
         share = gears.single_share(*geometry)
-        if "transition" in mesh.model_fields_set and mesh.transition > 2 * min(share, 1 - share):
-            room = 2 * min(share, 1 - share)
+        room = min(share, 1 - share)
+        if "transition" in mesh.model_fields_set and mesh.transition > room * (1 + 1e-9):
             yield f"{key}.transition: transitions overlap, single contact lasts {share:.3f} pitches; {room:.3f} at most"
         series = mesh_stiffness.two_level_series(single, double, share, mesh.harmonics)
         yield from _positive(f"{key}.harmonics", series)

@@ -104,7 +104,7 @@ def _difference(plain: Model, model: Model) -> str:
         _number(len(set(new) - set(old)), "number more", "numbers more"),
         _number(sum(new[key] != old[key] for key in set(new) & set(old)), "other value", "other values"),
     ]
-    return ", ".join(part for part in parts if part) or "nothing: the scene gives it no data to act on"
+    return ", ".join(part for part in parts if part) or "nothing: it cannot act in this scene"
 
 
 def _counted(instances: list[Instance], words: str) -> list[str]:

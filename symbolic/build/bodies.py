@@ -104,10 +104,11 @@ def reduced(one: float, two: float) -> float:
 
 
 def swinging(draft: Draft, name: str) -> float:
-    """Return a member's own inertia, 0 where its motion is held."""
-    member = train.members(draft.scene)[name]
-    held = turning_of(draft.scene, draft.rigid, name, member) in ("held", "driven")
-    return 0.0 if held else train.inertia_of(member)[1]
+    """Return a member's own inertia, 0 where its motion, or that of the member it is joined to, is held."""
+    everyone = train.members(draft.scene)
+    leader = draft.leaders.get(name, name)
+    held = turning_of(draft.scene, draft.rigid, leader, everyone[leader]) in ("held", "driven")
+    return 0.0 if held else train.inertia_of(everyone[name])[1]
 
 
 def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:

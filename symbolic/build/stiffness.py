@@ -22,7 +22,8 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
     if chosen in ("mean", "table"):
         bind["k"] = draft.number(f"{at.name}.stiffness", mean, "N/m")
     elif chosen == "smooth":
-        _follow(draft, at, "smooth", (*_levels(draft, at, single, double, share), _width(draft, at)), bind)
+        width = draft.number(f"{at.name}.transition", min(at.mesh.transition, share, 1 - share), "")
+        _follow(draft, at, "smooth", (*_levels(draft, at, single, double, share), width), bind)
     elif chosen == "fourier":
         series = (
             mesh_stiffness.computed_series(*geometry, backwards=at.backwards)
@@ -51,11 +52,6 @@ def _levels(draft: Draft, at: MeshPlace, single: float, double: float, share: fl
         draft.number(f"{at.name}.stiffness_double", double, "N/m"),
         draft.number(f"{at.name}.single_share", share, ""),
     )
-
-
-def _width(draft: Draft, at: MeshPlace) -> str:
-    """Note the width of a smooth transition [pitches]."""
-    return draft.number(f"{at.name}.transition", at.mesh.transition, "")
 
 
 def note_series(draft: Draft, name: str, series: list[float], unit: str) -> tuple[str, ...]:

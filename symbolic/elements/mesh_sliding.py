@@ -26,7 +26,7 @@ from .tooth_pairs import tooth_pairs
 def mesh_sliding(kind: str, law: str, switched: bool, contact: str = "bilateral", error: bool = False) -> Element:
     """Write the sliding friction of one mesh type (arguments as in ``mesh``)."""
     g = geometry(kind)
-    normal, tangent = pressed(kind, law, switched, contact, error), g.h / g.c
+    (normal, _), tangent = pressed(kind, law, switched, contact, error), g.h / g.c
     force = torque_1 = torque_2 = loss = sp.S.Zero
     for place, part in tooth_pairs():
         speed = sliding_speed(kind) - S * place * (TWO.omega - ONE.omega)

@@ -32,7 +32,7 @@ def line_of_centres(kind, r1, r2, O1, O2):
 
     cos a = (r1 + r2)/d external (below eq 5), (r1 - r2)/d internal (below eq 21); r are base radii [m].
     """
-    gap = np.subtract(O2, O1).astype(float)
+    gap = np.subtract(O2, O1) * 1.0
     d = np.hypot(*gap)
     e = gap / d
     return d, e, np.array([-e[1], e[0]]), np.arccos((r1 + SIGMA[kind] * r2) / d)
@@ -88,8 +88,11 @@ def approach_rate(kind, s, r1, r2, n, V1, w1, V2, w2):
     return -np.dot(v2 - v1, n)
 
 
-def mesh(kind, law, s, r1, r2, d0, gamma0, turn, k, c, O1, th1, V1, w1, O2, th2, V2, w2):
-    """Bilateral normal force of a gear pair: N = k deflection + c approach rate (eqs 12 and 25).
+def mesh(
+    kind, law, s, r1, r2, d0, gamma0, turn, k, c, O1, th1, V1, w1, O2, th2, V2, w2,
+    *, error=(0.0, 0.0), gap=0.0, pushes_only=False, slope=0.0,
+):  # fmt: skip
+    """Normal force of a gear pair: N = k deflection + c approach rate (eqs 12 and 25), less an error.
 
     Parameters
     ----------
@@ -98,6 +101,10 @@ def mesh(kind, law, s, r1, r2, d0, gamma0, turn, k, c, O1, th1, V1, w1, O2, th2,
     r1, r2, d0 : base radii and starting centre distance [m].
     gamma0, turn : starting direction angle from O1 to O2, and about how far it has turned since [rad].
     k, c : stiffness [N/m] and damping [N s/m].
+    error : what the flanks lack along the line of action [m], and its rate [m/s].
+    gap : distance before this flank touches [m].
+    pushes_only : the flanks part, and the damper never pulls.
+    slope : dk/d th1 [N/(m rad)] where the stiffness follows the angle from the line of centres to body 1.
 
     Returns
     -------
@@ -113,9 +120,25 @@ def mesh(kind, law, s, r1, r2, d0, gamma0, turn, k, c, O1, th1, V1, w1, O2, th2,
     else:
         raise ValueError(f"law {law!r}: choose 'involute' or 'paper'")
     n = force_direction(kind, s, e, t, a)
-    N = k * delta + c * approach_rate(kind, s, r1, r2, n, V1, w1, V2, w2)
-    T2 = -s * r2 * N if kind == "external" else s * r2 * N
-    return {"force": N, "deflection": delta, "F1": -N * n, "F2": N * n, "T1": -s * r1 * N, "T2": T2}
+    delta = delta - error[0] - gap
+    damper = c * (approach_rate(kind, s, r1, r2, n, V1, w1, V2, w2) - error[1])
+    N = k * delta + damper if not pushes_only else contact_force(k, delta, damper)
+    T1, T2 = -s * r1 * N, -SIGMA[kind] * s * r2 * N
+    # V = k delta^2 / 2 with k of th1 - Dg: the stored energy turns body 1 back and the line of centres on.
+    G = slope * (max(delta, 0.0) if pushes_only else delta) ** 2 / 2.0
+    F2 = N * n + G / d * t
+    return {"force": N, "deflection": delta, "F1": -F2, "F2": F2, "T1": T1 - G, "T2": T2}
+
+
+def contact_force(k, delta, damper):
+    """Force [N] of flanks that push and never pull: spring k delta and a damper, while delta > 0."""
+    return k * delta + max(damper, -k * delta) if delta > 0.0 else 0.0
+
+
+def offset_point(O, th, V, w, radius, angle):  # noqa: E741 - O is the centre, as in the other elements
+    """Position, velocity and arm of the point of a body at ``radius`` [m] and ``angle`` [rad] from its axis."""
+    arm = radius * np.array([np.cos(th + angle), np.sin(th + angle)])
+    return O + arm, point_velocity(V, w, arm), arm
 
 
 def pitch_point_friction(kind, s, r1, r2, N, mu, c_t, v0, O1, V1, w1, O2, V2, w2):

@@ -32,7 +32,7 @@ RAW: dict[str, Any] = {
             "sun": {
                 "teeth": 20,
                 "support": "bearing",
-                "bearing": {"stiffness": "1e8 N/m", "damping_ratio": 0.03},
+                "bearing": {"stiffness": "1e8 N/m", "damping_ratio": 0.03, "clearance": "2 um"},
                 "eccentricity": {"radius": "3 um", "angle": "30 deg"},
                 "mass": "1.5 kg",
                 "inertia": "0.001 kg*m^2",
@@ -70,11 +70,13 @@ RAW: dict[str, Any] = {
                 "friction": 0.01,
                 "friction_damping": "0.002 N*m*s/rad",
                 "friction_speed": "2 rad/s",
+                "clearance": "3 um",
             },
             "position_errors": [{"planet": 2, "radial": "2 um", "tangential": "3 um"}],
             "eccentricities": [{"planet": 1, "radius": "2 um"}],
         }
     },
+    "rayleigh": {"mass": "20 1/s", "stiffness": "2e-6 s"},
     "rotors": {"motor": {"inertia": "0.01 kg*m^2"}},
     "couplings": {"shaft": {"between": ["motor", "gear.sun"], "stiffness": "2e4 N*m/rad", "damping_ratio": 0.02}},
     "loads": {
@@ -96,10 +98,12 @@ DATA: dict[str, tuple[str, ...]] = {
     "bearing_friction": tuple(
         f"-stages.gear.pin.{key}" for key in ("friction", "friction_damping", "friction_speed", "diameter")
     ),
+    "bearing_clearance": ("-stages.gear.sun.bearing.clearance", "-stages.gear.pin.clearance"),
     "planet_position_error": ("-stages.gear.position_errors",),
     "contact": tuple(f"-{mesh}.backlash" for mesh in MESHES),
     "mesh_damping": tuple(f"-{mesh}.damping_ratio" for mesh in MESHES),
     "damping": (
+        "-rayleigh",
         "-stages.gear.sun.bearing.damping_ratio",
         "-stages.gear.carrier.bearing.damping_ratio",
         "-stages.gear.pin.damping_ratio",
@@ -146,6 +150,15 @@ ZERO: dict[tuple[str, str], tuple[str, ...]] = {
         f"stages.gear.pin.damping = '{TINY} N*s/m'",
         f"couplings.shaft.damping = '{TINY} N*m*s/rad'",
     ),
+    ("mesh_friction", "sliding"): tuple(f"{mesh}.friction.coefficient = 0" for mesh in MESHES),
+    ("damping", "rayleigh"): (  # it takes the place of the meshes' dampers too
+        f"rayleigh = {{ mass = '{TINY} 1/s', stiffness = '{TINY} s' }}",
+        *(f"-{mesh}.damping_ratio" for mesh in MESHES),
+    ),
+    ("bearing_clearance", "on"): (
+        "stages.gear.sun.bearing.clearance = '0 m'",
+        "stages.gear.pin.clearance = '0 m'",
+    ),
     ("bearing_friction", "on"): (
         "stages.gear.pin.friction = 0",
         f"stages.gear.pin.friction_damping = '{TINY} N*m*s/rad'",
@@ -165,6 +178,11 @@ NO_ZERO: dict[tuple[str, str], str] = {
     ("contact", "backlash"): "with a gap of zero both flanks push, and one of them still cannot pull",
 }
 """Effect and value -> why nothing makes its amplitude zero."""
+
+
+DISSIPATIVE = ("-rayleigh.mass",)
+"""What is taken away before losses are judged: mass-proportional damping slows deviations from the rigid motion,
+and its power in a train that turns has either sign."""
 
 
 def everything(effects: Mapping[str, str], *settings: str) -> Scene:

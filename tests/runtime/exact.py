@@ -7,7 +7,7 @@ moves sideways, so the mesh deflection is s (r1 u1 + r2 u2) whatever the size of
 import numpy as np
 from scipy.linalg import expm
 
-from .hand_model import HandMesh, on_disc
+from .hand_gearing import HandMesh, on_disc
 
 SETTINGS = (
     *(f'stages.psh.{part}.support = "rigid"' for part in ("input", "output")),

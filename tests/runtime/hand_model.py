@@ -12,10 +12,7 @@ from ltcgear.symbolic.schema import Planetary
 
 from reference import hand_forces as hand
 
-L = np.longdouble
-PI = 4 * np.arctan(L(1))
-AUTO = {"lsp": 1.0, "hsp": 1.0, "psh": -1.0, "gear": 1.0}
-"""The loaded flank of a ring driven counter-clockwise: as printed in both planetary stages, mirrored in the PSH."""
+from .hand_gearing import PI, HandMesh, L, centre_distance, on_disc, speed_ratios
 
 
 @dataclass
@@ -49,109 +46,6 @@ def turned(v):
     return np.array([-v[1], v[0]])
 
 
-def on_disc(member):
-    """Mass and inertia of a member."""
-    if member.disc is None:
-        return getattr(member, "mass", None), member.inertia
-    R, r = member.disc.outer_diameter / 2, member.disc.inner_diameter / 2
-    m = member.disc.density * np.pi * (R**2 - r**2) * member.disc.width
-    return m, m * (R**2 + r**2) / 2
-
-
-class HandMesh:
-    """One mesh of a stage in numbers."""
-
-    def __init__(self, stage_name, stage, kind, mesh, one, two, effects):
-        self.kind, self.mesh, self.sigma = kind, mesh, hand.SIGMA[kind]
-        alpha = 0.0 if stage.module is None else np.arctan(np.tan(stage.pressure_angle) / np.cos(stage.helix_angle))
-        m_t = 0.0 if stage.module is None else stage.module / np.cos(stage.helix_angle)
-        unit = L(m_t / 2 * np.cos(alpha))
-        self.r1, self.r2 = (L(g.base_radius) if g.base_radius else g.teeth * unit for g in (one, two))
-        self.teeth = one.teeth
-        self.d0 = centre_distance(stage)
-        if mesh.stiffness is not None:
-            self.k1 = mesh.stiffness
-        else:
-            self.k1 = mesh.torsional_stiffness / float(getattr(stage, mesh.reference).teeth * unit) ** 2
-        self.share = 1.0
-        if mesh.double_factor is not None:
-            self.share = 2.0 - contact_ratio(stage, self.sigma, one, two, self.d0)
-        self.k2 = self.k1 * (mesh.double_factor or 1.0)
-        self.mean = self.share * self.k1 + (1 - self.share) * self.k2
-        self.switched = mesh.double_factor is not None and effects["mesh_stiffness"] == "two-level"
-        self.flank = {"auto": AUTO[stage_name], "printed": 1.0, "opposite": -1.0}[mesh.flank]
-
-    def stiffness(self, level):
-        return self.k1 + level * (self.k2 - self.k1) if self.switched else self.mean
-
-    def damping(self, I1, I2):
-        """2 zeta sqrt(k m) on the equivalent mass along the line of action; None is an infinite inertia."""
-        if self.mesh.damping is not None or self.mesh.damping_ratio is None:
-            return self.mesh.damping or 0.0
-        mobility = (float(self.r1) ** 2 / I1 if I1 else 0.0) + (float(self.r2) ** 2 / I2 if I2 else 0.0)
-        return 2 * self.mesh.damping_ratio * np.sqrt(self.mean / mobility)
-
-
-def centre_distance(stage):
-    """Given, or that of unshifted teeth [m]."""
-    if stage.center_distance is not None:
-        return stage.center_distance
-    gears = (stage.sun, stage.planet) if isinstance(stage, Planetary) else (stage.input, stage.output)
-    assert all(g.profile_shift == 0 for g in gears)
-    return sum(g.teeth for g in gears) * stage.module / np.cos(stage.helix_angle) / 2
-
-
-def contact_ratio(stage, sigma, one, two, distance):
-    """Transverse contact ratio, ISO 21771: the line of action between the tip circles over the base pitch."""
-    m_t = stage.module / np.cos(stage.helix_angle)
-    alpha = np.arctan(np.tan(stage.pressure_angle) / np.cos(stage.helix_angle))
-    r1, r2 = (g.teeth * m_t / 2 * np.cos(alpha) for g in (one, two))
-    # An internal gear's teeth point inwards; its shift moves them outwards.
-    tip1 = one.teeth * m_t / 2 + stage.module * (sigma + one.profile_shift)
-    tip2 = two.teeth * m_t / 2 + stage.module * (1 + two.profile_shift)
-    working = np.arccos((r1 + sigma * r2) / distance)
-    path = sigma * np.sqrt(tip1**2 - r1**2) + np.sqrt(tip2**2 - r2**2) - sigma * distance * np.sin(working)
-    return path / (np.pi * m_t * np.cos(alpha))
-
-
-def speed_ratios(scene, lead):
-    """Every member's speed over the lead's, by Willis' equation walked through the train."""
-    known = {lead: L(1)} if lead else {}
-    for name, stage in scene.stages.items():
-        parts = ("sun", "ring", "carrier") if isinstance(stage, Planetary) else ()
-        known |= {f"{name}.{part}": L(0) for part in parts if getattr(stage, part).support == "fixed"}
-    for _ in range(len(scene.stages) + len(scene.couplings)):
-        for coupling in scene.couplings.values():
-            one, two = coupling.between
-            for a, b in ((one, two), (two, one)):
-                if a in known:
-                    known.setdefault(b, known[a])
-        for name, stage in scene.stages.items():
-            (_planetary_ratios if isinstance(stage, Planetary) else _pair_ratios)(name, stage, known)
-    return known
-
-
-def _pair_ratios(name, stage, known):
-    one, two = f"{name}.input", f"{name}.output"
-    if one in known:
-        known.setdefault(two, -known[one] * stage.input.teeth / stage.output.teeth)
-
-
-def _planetary_ratios(name, stage, known):
-    """z_S (w_S - w_C) = -z_R (w_R - w_C) = -z_P (w_P - w_C)."""
-    s, r, c = (f"{name}.{part}" for part in ("sun", "ring", "carrier"))
-    if stage.sun.teeth is None or sum(part in known for part in (s, r, c)) < 2:
-        return
-    zs, zr, zp = L(stage.sun.teeth), L(stage.ring.teeth), L(stage.planet.teeth)
-    if c not in known:
-        known[c] = (zs * known[s] + zr * known[r]) / (zs + zr)
-    elif s not in known:
-        known[s] = known[c] - zr / zs * (known[r] - known[c])
-    elif r not in known:
-        known[r] = known[c] - zs / zr * (known[s] - known[c])
-    known[f"{name}.planet"] = known[c] - zs / zp * (known[s] - known[c])
-
-
 class HandModel:
     """Forces and accelerations of a scene by hand.
 
@@ -163,10 +57,13 @@ class HandModel:
         self.driven = {load.member for load in scene.loads.values() if load.speed is not None}
         self.ratios = speed_ratios(scene, lead)
         self.members, self.frame, self.place, self.direction = {}, {}, {}, {}
+        self.pin, self.eccentric, self.meshes = {}, {}, {}
         for name, rotor in scene.rotors.items():
             self._member(name, rotor, None)
         for name, stage in scene.stages.items():
             self._stage(name, stage)
+        self.leader = self._leaders()
+        self.held = {self.leader[n] for n, m in self.members.items() if n in self.driven or self.fixed(m)}
 
     def _stage(self, name, stage):
         d = centre_distance(stage)
@@ -176,19 +73,55 @@ class HandModel:
                 self._member(f"{name}.{part}", getattr(stage, part), carrier)
             for i, angle in enumerate(self.planet_angles(stage), start=1):
                 self._member(f"{name}.planet.{i}", stage.planet, carrier, d, angle)
+                self._wrong_planet(f"{name}.planet.{i}", stage, i, angle)
         else:
             self._member(f"{name}.input", stage.input, None)
             self._member(f"{name}.output", stage.output, None, d, stage.line_of_centres)
 
     def _member(self, name, member, frame, distance=0.0, angle=0.0):
         self.members[name], self.frame[name], self.direction[name] = member, frame, angle
-        self.place[name] = distance * np.array([np.cos(angle), np.sin(angle)])
+        self.place[name] = self.pin[name] = distance * np.array([np.cos(angle), np.sin(angle)])
+        self.eccentric[name] = getattr(member, "eccentricity", None)
+
+    def _wrong_planet(self, planet, stage, number, angle):
+        """A planet's pin out of place, outwards and counter-clockwise, and its eccentric teeth."""
+        for error in stage.position_errors:
+            if error.planet == number and self.effects["planet_position_error"] == "on":
+                self.pin[planet] = self.place[planet] + rotation(angle) @ [error.radial, error.tangential]
+        for error in stage.eccentricities:
+            if error.planet == number:
+                self.eccentric[planet] = error
+
+    def _leaders(self):
+        """Member -> the first of those that turn with it as one, by rigid shafts."""
+        group = {name: [name] for name in self.members}
+        if self.effects["torsional_shafts"] == "rigid":
+            for coupling in self.scene.couplings.values():
+                one, two = (group[end] for end in coupling.between)
+                if one is not two:
+                    one += two
+                    group |= dict.fromkeys(two, one)
+        order = list(self.members)
+        return {name: min(group[name], key=order.index) for name in order}
+
+    @staticmethod
+    def fixed(member):
+        return getattr(member, "support", "") == "fixed"
 
     @staticmethod
     def planet_angles(stage):
         """Directions from the sun to the planets at the start [rad]."""
         equal = [2 * np.pi * i / stage.planets for i in range(stage.planets)]
         return [stage.line_of_centres + angle for angle in stage.planet_angles or equal]
+
+    def seated(self, name):
+        """Whether it is a planet that its carrier takes along."""
+        return ".planet." in name and (self.effects["pins"] == "rigid" or self.effects["lateral"] == "off")
+
+    def lateral(self, name):
+        """Whether a body moves sideways by itself."""
+        free = getattr(self.members[name], "support", "rigid") in ("bearing", "floating")
+        return free and self.effects["lateral"] == "on" and not self.seated(name)
 
     def ratio(self, name):
         """A body's speed over the lead's; equal planets share one."""
@@ -200,9 +133,7 @@ class HandModel:
 
     def inertia(self, name):
         """Moment of inertia, None where the angle is held."""
-        member = self.members[name]
-        held = name in self.driven or getattr(member, "support", "") == "fixed"
-        return None if held else on_disc(member)[1]
+        return None if self.leader[name] in self.held else on_disc(self.members[name])[1]
 
     # --- from deviations in turning frames to inertial coordinates and back
 
@@ -211,17 +142,24 @@ class HandModel:
         value = {name: L(v) for name, v in zip(states, x, strict=True)}
         self.phi = value.get("reference.angle", L(0))
         self.speed = value.get("reference.speed", L(self._held_speed()))
+        twist = {self.leader[n]: (value[f"{n}.u"], value[f"{n}.u.rate"]) for n in self.members if f"{n}.u" in value}
         motions = {}
         for name in self.members:
-            dx, dy, u = (value.get(f"{name}.{axis}", L(0)) for axis in ("x", "y", "u"))
-            vx, vy, w = (value.get(f"{name}.{axis}.rate", L(0)) for axis in ("x", "y", "u"))
+            (dx, dy), (vx, vy) = ([value.get(f"{name}.{a}{r}", L(0)) for a in "xy"] for r in ("", ".rate"))
+            u, w = twist.get(self.leader[name], (L(0), L(0)))
             R = rotation(self.frame_ratio(name) * self.phi)
             r = self.place[name] + np.array([dx, dy])
             V = np.array([vx, vy]) + self.frame_ratio(name) * self.speed * turned(r)
-            motions[name] = Motion(
-                R @ r, self.ratio(name) * self.phi + u, R @ V, self.ratio(name) * self.speed + w
-            )  # fmt: skip
+            motions[name] = Motion(R @ r, self.ratio(name) * self.phi + u, R @ V, self.ratio(name) * self.speed + w)
+        for name in filter(self.seated, self.members):
+            self._seat(motions[name], motions[self.frame[name]], self.pin[name])
         return motions
+
+    @staticmethod
+    def _seat(planet, carrier, place):
+        """Put a planet on its carrier's pin."""
+        arm = rotation(carrier.th) @ place
+        planet.O, planet.V = carrier.O + arm, carrier.V + carrier.w * turned(arm)
 
     def _held_speed(self):
         return next((load.speed for load in self.scene.loads.values() if load.speed is not None), 0.0)
@@ -236,9 +174,9 @@ class HandModel:
             if f"{name}.x" in value:
                 result |= self._lateral(name, value, rate, phi, w0, a0)
             if f"{name}.u" in value:
-                result[name, "u"] = self.ratio(name) * a0 + rate[f"{name}.u.rate"]
-            elif name == self.lead and name not in self.driven:
-                result[name, "u"] = a0
+                result[self.leader[name], "u"] = self.ratio(name) * a0 + rate[f"{name}.u.rate"]
+            elif name == self.lead and self.leader[name] not in self.held:
+                result[self.leader[name], "u"] = a0
         return result
 
     def _lateral(self, name, value, rate, phi, w0, a0):
@@ -257,26 +195,15 @@ class HandModel:
         out = Result()
         for name, stage in self.scene.stages.items():
             self._stage_forces(name, stage, motions, levels, out)
-        for name, coupling in self.scene.couplings.items():
-            self._coupling(name, coupling, motions, out)
+        if self.effects["torsional_shafts"] == "flexible":
+            for name, coupling in self.scene.couplings.items():
+                self._coupling(name, coupling, motions, out)
         for name, member in self.members.items():
             self._housing(name, member, motions[name], out)
         for load in self.scene.loads.values():
             if load.torque is not None:
                 out.add(load.member, torque=load.torque)
         return out
-
-    def newton(self, forces):
-        """Force over mass, torque over inertia."""
-        result = {}
-        for name, member in self.members.items():
-            mass, inertia = on_disc(member)
-            f = forces.get(name, np.zeros(3, L))
-            if getattr(member, "support", "rigid") in ("bearing", "floating"):
-                result |= {(name, "x"): f[0] / mass, (name, "y"): f[1] / mass}
-            if self.inertia(name):
-                result[name, "u"] = f[2] / inertia
-        return result
 
     def _stage_forces(self, name, stage, motions, levels, out):
         if not isinstance(stage, Planetary):
@@ -286,51 +213,89 @@ class HandModel:
             pair = (f"planet.{i}", f".{i}")
             self._mesh(name, "sun_planet", pair[1], stage, "external", ("sun", pair[0]), motions, levels, out)
             self._mesh(name, "ring_planet", pair[1], stage, "internal", ("ring", pair[0]), motions, levels, out)
-            self._pin(name, stage, i, motions, out)
+            if not self.seated(f"{name}.{pair[0]}"):
+                self._pin(name, stage, i, motions, out)
+
+    def _teeth(self, name, motion):
+        """Motion of the centre of a gear's teeth, and its arm from the axis."""
+        given = self.eccentric[name]
+        if given is None or self.effects["eccentricity"] == "off":
+            return motion, np.zeros(2, L)
+        O, V, arm = hand.offset_point(motion.O, motion.th, motion.V, motion.w, given.radius, given.angle)  # noqa: E741
+        return Motion(O, motion.th, V, motion.w), arm
 
     def _mesh(self, name, label, number, stage, kind, bodies, motions, levels, out):
         mesh, item = getattr(stage, label), f"{name}.{label}{number}"
-        gears = [getattr(stage, body.split(".")[0]) for body in bodies]
-        m = HandMesh(name, stage, kind, mesh, *gears, self.effects)
+        if item not in self.meshes:
+            gears = [getattr(stage, body.split(".")[0]) for body in bodies]
+            self.meshes[item] = HandMesh(name, stage, kind, mesh, *gears, self.effects, int(number[1:] or 0))
+        m = self.meshes[item]
         one, two = (f"{name}.{body}" for body in bodies)
-        a, b = motions[one], motions[two]
-        turn = self.frame_ratio(two) * self.phi
-        gamma0 = self.direction[two]
-        c = m.damping(self.inertia(one), self.inertia(two)) if self.effects["mesh_damping"] == "on" else 0.0
-        k = m.stiffness(levels.get(item, 0.0))
-        law = self.effects["mesh_law"]
-        r = hand.mesh(
-            kind, law, m.flank, m.r1, m.r2, m.d0, gamma0, turn, k, c, a.O, a.th, a.V, a.w, b.O, b.th, b.V, b.w
-        )
-        _, _, _, alpha = hand.line_of_centres(kind, m.r1, m.r2, a.O, b.O)
-        out.outputs |= {
-            ("mesh_force", item): r["force"],
-            ("mesh_deflection", item): r["deflection"],
-            ("pressure_angle", item): alpha,
-        }
+        (a, arm1), (b, arm2) = (self._teeth(n, motions[n]) for n in (one, two))
+        nominal, rate, actual, sense = self._phases(m, one, two, a, b)
         if m.teeth:
-            Dg = hand.direction_change(a.O, b.O, gamma0, turn)
-            start = next((x for item in self.scene.loads.values() if (x := item.speed or item.initial_speed)), 1.0)
-            sense = -1 if (self.ratio(one) - self.frame_ratio(two)) * start < 0 else 1
-            out.outputs["mesh_phase", item] = sense * m.teeth / (2 * PI) * (a.th - gamma0 - Dg) + mesh.phase
-        out.add(one, r["F1"], r["T1"])
-        out.add(two, r["F2"], r["T2"])
+            out.outputs["mesh_phase", item] = actual
+        c = m.damping(self.inertia(one), self.inertia(two)) if self.effects["mesh_damping"] == "on" else 0.0
+        followed = actual if self.effects["stiffness_torque"] == "on" else nominal
+        k = m.stiffness(levels.get(item, 0.0), followed)
+        slope = L(0)
+        if m.varying and self.effects["stiffness_torque"] == "on":
+            slope = m.profile(actual)[1] * sense * m.teeth / (2 * PI)
+        e = m.error(nominal) * np.array([1, rate])
+        self._flank(item, m, m.flank, (one, two), (a, b), (arm1, arm2), out, k=k, c=c, slope=slope, error=e)
+        flanks = [(item, m.flank)]
+        if self.effects["contact"] == "backlash":
+            back = {"k": k, "c": c, "slope": slope, "error": -e, "gap": mesh.backlash}
+            self._flank(f"{item}.back", m, -m.flank, (one, two), (a, b), (arm1, arm2), out, **back)
+            flanks.append((f"{item}.back", -m.flank))
         if self.effects["mesh_friction"] == "pitch-point" and mesh.friction is not None:
-            self._mesh_friction(item, m, mesh.friction, k * r["deflection"], (one, two), (a, b), out)
+            k = m.stiffness(levels.get(item, 0.0), nominal)
+            for flank in flanks:
+                self._mesh_friction(*flank, m, mesh.friction, k, (one, two), (a, b), (arm1, arm2), out)
 
-    @staticmethod
-    def _mesh_friction(item, m, given, N, bodies, motions, out):
-        a, b = motions
-        mu, c_t, v0 = given.coefficient, given.damping or 0.0, given.speed
-        f = hand.pitch_point_friction(m.kind, m.flank, m.r1, m.r2, N, mu, c_t, v0, a.O, a.V, a.w, b.O, b.V, b.w)
-        out.outputs["mesh_friction", item] = -(mu * abs(N) * np.tanh(f["v_t"] / v0) + c_t * f["v_t"])
-        out.add(bodies[0], f["F1"], f["T1"])
-        out.add(bodies[1], f["F2"], f["T2"])
+    def _phases(self, m, one, two, a, b):
+        """Mesh phase of the rigid motion and its rate, that of the actual one, and the sense of both."""
+        if not m.teeth:
+            return L(0), L(0), L(0), 1
+        start = next((x for item in self.scene.loads.values() if (x := item.speed or item.initial_speed)), 1.0)
+        ratio, gamma0 = self.ratio(one) - self.frame_ratio(two), self.direction[two]
+        sense = -1 if ratio * start < 0 else 1
+        per_angle = sense * m.teeth / (2 * PI)
+        Dg = hand.direction_change(a.O, b.O, gamma0, self.frame_ratio(two) * self.phi)
+        nominal = m.mesh.phase + per_angle * (ratio * self.phi - gamma0)
+        return nominal, per_angle * ratio * self.speed, m.mesh.phase + per_angle * (a.th - gamma0 - Dg), sense
+
+    def _flank(self, item, m, s, names, teeth, arms, out, **laws):
+        """Normal force of one flank."""
+        (one, two), (a, b) = names, teeth
+        place = {"gamma0": self.direction[two], "turn": self.frame_ratio(two) * self.phi}
+        moved = {f"{key}{i}": getattr(x, key) for i, x in ((1, a), (2, b)) for key in ("O", "th", "V", "w")}
+        pushes = self.effects["contact"] != "bilateral"
+        r = hand.mesh(
+            m.kind, self.effects["mesh_law"], s, m.r1, m.r2, m.d0, **place, **moved, **laws, pushes_only=pushes
+        )
+        out.outputs |= {("mesh_force", item): r["force"], ("mesh_deflection", item): r["deflection"]}
+        if self.effects["lateral"] == "on" or np.any(arms):
+            out.outputs["pressure_angle", item] = hand.line_of_centres(m.kind, m.r1, m.r2, a.O, b.O)[3]
+        if pushes:
+            out.outputs["mesh_contact", item] = float(r["deflection"] > 0)
+        out.add(one, r["F1"], r["T1"] + hand.cross(arms[0], r["F1"]))
+        out.add(two, r["F2"], r["T2"] + hand.cross(arms[1], r["F2"]))
+
+    def _mesh_friction(self, item, s, m, given, k, bodies, motions, arms, out):
+        """Friction of one flank; flanks that have parted do not rub."""
+        (a, b), delta = motions, out.outputs["mesh_deflection", item]
+        apart = self.effects["contact"] != "bilateral" and delta <= 0
+        mu, c_t, v0 = (0.0, 0.0, given.speed) if apart else (given.coefficient, given.damping or 0.0, given.speed)
+        f = hand.pitch_point_friction(m.kind, s, m.r1, m.r2, k * delta, mu, c_t, v0, a.O, a.V, a.w, b.O, b.V, b.w)
+        out.outputs["mesh_friction", item] = -(mu * abs(k * delta) * np.tanh(f["v_t"] / v0) + c_t * f["v_t"])
+        out.add(bodies[0], f["F1"], f["T1"] + hand.cross(arms[0], f["F1"]))
+        out.add(bodies[1], f["F2"], f["T2"] + hand.cross(arms[1], f["F2"]))
 
     def _pin(self, name, stage, i, motions, out):
         planet, carrier, item = f"{name}.planet.{i}", f"{name}.carrier", f"{name}.pin.{i}"
         P, C, pin = motions[planet], motions[carrier], stage.pin
-        c, rho0 = self._damping(pin, on_disc(stage.planet)[0]), self.place[planet]
+        c, rho0 = self._damping(pin, on_disc(stage.planet)[0]), self.pin[planet]
         f = hand.pin(pin.stiffness, c, rho0, C.O, C.th, C.V, C.w, P.O, P.V)
         out.outputs |= {("pin_force_x", item): f["FP"][0], ("pin_force_y", item): f["FP"][1]}
         out.add(planet, f["FP"])
@@ -366,9 +331,9 @@ class HandModel:
 
     def _housing(self, name, member, motion, out):
         """Bearing, torsional support, drag and weight."""
-        lateral = getattr(member, "support", "rigid") in ("bearing", "floating")
         mass, inertia = on_disc(member)
-        if getattr(member, "bearing", None) is not None:
+        lateral = self.effects["lateral"] == "on"
+        if getattr(member, "bearing", None) is not None and lateral:
             c = self._damping(member.bearing, mass)
             F = hand.ground_bearing(member.bearing.stiffness, c, motion.O - self.place[name], motion.V)
             out.outputs |= {("bearing_force_x", name): F[0], ("bearing_force_y", name): F[1]}
@@ -384,5 +349,6 @@ class HandModel:
             out.add(name, torque=T)
         if member.drag is not None:
             out.add(name, torque=-member.drag * motion.w)
-        if lateral and self.effects["gravity"] == "on":
+        heavy = self.lateral(name) or (self.seated(name) and self.lateral(self.frame[name]))
+        if heavy and self.effects["gravity"] == "on":
             out.add(name, mass * np.array(self.scene.gravity))

@@ -16,7 +16,7 @@ from ltcgear.symbolic.effects import DEFAULTS
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene, shipped_scenes
 
-from .everything import ZERO, acting, allowed, beside, covering, everything, labelled, without
+from .everything import DISSIPATIVE, ZERO, acting, allowed, beside, covering, everything, labelled, without
 from .models import Case
 
 VARIANTS = [pytest.param(variant, id=labelled(variant)) for variant in covering()]
@@ -71,7 +71,7 @@ def random_states(found: Case, count: int = 50):
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_losses_never_feed_energy(variant):
-    found = made(variant)
+    found = made(variant, *DISSIPATIVE)
     energy = Kernel(found.library.functions["energy"])
     balance = np.array([energy(x, levels, found.p)[0].copy() for x, levels in random_states(found)])
     assert np.isfinite(balance).all()

@@ -6,7 +6,7 @@ from ltcgear.generated.errors import SolverError
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.kernel import Kernel
 
-from .hand_model import contact_ratio
+from .hand_gearing import contact_ratio
 from .models import MESHES, TORQUE_DRIVEN, case, make_case
 
 STATICS = {"lsp": 3.575e5, "hsp": 1.0357e5, "psh": 1.1834e5}

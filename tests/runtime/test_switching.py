@@ -5,7 +5,7 @@ import pytest
 from ltcgear.runtime.equilibrium import Equilibrium
 from ltcgear.runtime.switching import AT_BORDER, Phases, cells_of, crossed, levels_of, lower, time_to_border, upper
 
-from .hand_model import contact_ratio
+from .hand_gearing import contact_ratio
 from .models import TORQUE_DRIVEN, case, run
 
 RPM = 2 * np.pi / 60

@@ -1,0 +1,70 @@
+"""What cannot be right about profiles, errors and joints of a scene is told with key, reason and cure."""
+
+import pytest
+from ltcgear.generated.errors import SceneError
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.scene import make_scene
+
+from ..runtime.models import raw_scene
+
+MESH = "stages.lsp.sun_planet"
+
+
+@pytest.mark.parametrize(
+    ("settings", "key", "word"),
+    [
+        ([f"{MESH}.transition = 0.5"], f"{MESH}.transition", "at most"),
+        ([f"{MESH}.stiffness_table = [['0', '1e9 N/m'], ['1', '2e9 N/m']]"], f"{MESH}.stiffness_table", "close"),
+        ([f"{MESH}.stiffness_table = [['0', '1e9 N/m'], ['0.3', '2e9 N/m']]"], f"{MESH}.stiffness_table", "whole"),
+        ([f"{MESH}.stiffness_table = [['0', '1e9 N/m'], ['1.3', '1e9 N/m']]"], f"{MESH}.stiffness_table", "between"),
+        ([f"{MESH}.stiffness_table = [['0', '0 N/m'], ['0.8', '1e9 N/m']]"], f"{MESH}.stiffness_table", "zero"),
+        (
+            [
+                f"{MESH}.stiffness_table = [['0', '1e6 N/m'], ['0.5', '9e9 N/m'], ['0.51', '1e6 N/m']]",
+                f"{MESH}.harmonics = 1",
+            ],
+            f"{MESH}.stiffness_table",
+            "harmonics",
+        ),
+        ([f"{MESH}.transmission_error = {{}}"], f"{MESH}.transmission_error", "amplitudes or a table"),
+        (
+            [f"{MESH}.transmission_error = {{amplitudes = ['1 um'], phases = ['1 deg', '2 deg']}}"],
+            f"{MESH}.transmission_error.phases",
+            "one each",
+        ),
+        (
+            [f"{MESH}.tooth_errors = [{{gear = 'ring', tooth = 1, error = '1 um'}}]"],
+            f"{MESH}.tooth_errors.0.gear",
+            "sun",
+        ),
+        (
+            [f"{MESH}.tooth_errors = [{{gear = 'sun', tooth = 22, error = '1 um'}}]"],
+            f"{MESH}.tooth_errors.0.tooth",
+            "0 to 21",
+        ),
+        (
+            [f"{MESH}.tooth_errors = [{{gear = 'sun', tooth = 1, error = '1 um', planet = 5}}]"],
+            f"{MESH}.tooth_errors.0.planet",
+            "planet 5",
+        ),
+        (["stages.lsp.planet.eccentricity.radius = '1 um'"], "stages.lsp.planet.eccentricity", "eccentricities"),
+        (
+            ["stages.lsp.eccentricities = [{planet = 1, radius = '1 um'}, {planet = 1, radius = '2 um'}]"],
+            "stages.lsp.eccentricities",
+            "once",
+        ),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_the_defect_is_told(settings, key, word):
+    with pytest.raises(SceneError) as told:
+        make_scene(raw_scene("lsp", *settings))
+    (line,) = str(told.value).splitlines()[1:]
+    assert line.strip().startswith(f"{key}:")
+    assert word in line
+
+
+def test_default_transitions_give_way_where_contact_is_short():
+    """With a contact ratio of 1.96 single contact lasts 0.04 pitches, less than the default transition."""
+    scene = make_scene(raw_scene("lsp", f"{MESH}.contact_ratio = 1.96", "effects.mesh_stiffness = 'smooth'"))
+    assert build_model(scene).values()["lsp.sun_planet.transition"] == pytest.approx(0.04)
