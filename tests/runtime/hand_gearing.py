@@ -92,7 +92,8 @@ class HandMesh:
         """Stiffness [N/m] at a phase and its slope over the phase."""
         if self.terms is not None:
             return profiles.wave(tau, *self.terms)
-        return profiles.smooth_levels(tau, self.k1, self.k2, self.share, self.mesh.transition)
+        width = min(self.mesh.transition, self.share, 1 - self.share)  # no wider than the shorter contact
+        return profiles.smooth_levels(tau, self.k1, self.k2, self.share, width)
 
     def error(self, tau):
         """Transmission error e [m] at a phase and its slope: harmonics or table, and teeth out of place."""
