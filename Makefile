@@ -11,7 +11,7 @@ rig: .venv/rig
 	$(BIN)/ltcgear paper -o out
 
 test: .venv/test
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile
 
 lint: .venv/test
 	$(BIN)/ruff check .

@@ -109,7 +109,7 @@ def test_rows_repaired_by_hand_are_right() -> None:
         ((13, "N_SPy"), paper.NORMAL_S, lambda p: p.N_PS * sp.cos(p.gpa_S), "gamma_SP + alpha_SP for"),
         ((31, "x_S"), "inertia", lambda p: p.M_S * p.ax_S / 3, "no simple repair; printed / derived"),
     ],
-    ids=str,
+    ids=lambda value: "slip" if callable(value) else str(value),
 )
 def test_a_planted_slip_is_named(key, group, slip, reads) -> None:
     verdict = check.check_paper([BY_KEY[key].with_term(group, slip(paper))])[0]
