@@ -20,6 +20,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 FORMAT = 2
+BACK = ".back"
+"""What a mesh's name gets for the flank that is not loaded."""
 FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "energy")
 
 

@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from ltcgear.generated.contract import BACK
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
@@ -233,7 +234,7 @@ def compare_forces(full: "xr.Dataset", other: "xr.Dataset") -> dict[str, dict[st
     zero = np.zeros(len(next(iter(one.values()))))
     one, two = ({name: forces.get(name, zero) for name in names} for forces in (one, two))
     phase = _phases(full)
-    peaks = [{name: max(abs(s["min"]), abs(s["max"])) for name, s in _steady(run).items()} for run in (full, other)]
+    peaks = [_peaks(run) for run in (full, other)]
     found = {}
     for stage in dict.fromkeys(map(stage_of, names)):
         meshes = [name for name in names if stage_of(name) == stage]
@@ -248,15 +249,20 @@ def compare_forces(full: "xr.Dataset", other: "xr.Dataset") -> dict[str, dict[st
     return found
 
 
-def _steady(dataset: "xr.Dataset") -> dict[str, dict[str, float]]:
-    """Return the statistics of the second half."""
-    return mesh_statistics(dataset, steady_start(dataset))
+def _peaks(dataset: "xr.Dataset") -> dict[str, float]:
+    """Return the largest force [N] of the second half in every mesh, on whichever flank."""
+    found: dict[str, float] = {}
+    for name, force in mesh_statistics(dataset, steady_start(dataset)).items():
+        mesh = name.removesuffix(BACK)
+        found[mesh] = max(found.get(mesh, 0.0), abs(force["min"]), abs(force["max"]))
+    return found
 
 
 def _forces(dataset: "xr.Dataset") -> Forces:
-    """Return the mesh forces [N] of the second half."""
+    """Return the mesh forces [N] of the second half, those on the other flank against those on the loaded one."""
     forces = window(dataset)["mesh_force"]
-    return {str(name): forces.sel(mesh=name).values for name in forces["mesh"].values}
+    found = {str(name): forces.sel(mesh=name).values for name in forces["mesh"].values}
+    return {name: force - found.get(name + BACK, 0.0) for name, force in found.items() if not name.endswith(BACK)}
 
 
 def _phases(dataset: "xr.Dataset") -> Forces:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from . import gears
 from .build import build_model
 from .effects import EFFECTS
 from .model import Model
@@ -21,13 +22,15 @@ def _idle_effects(scene: Scene, model: Model) -> Iterator[str]:
         value = scene.effects[effect.name]
         if value not in effect.needs:
             continue
-        other = effect.default if value == effect.without else effect.without
-        if same_model(build_model(with_value(scene, effect.name, other)), model):
+        others = [other for other in dict.fromkeys((effect.without, effect.default)) if other != value]
+        if any(same_model(build_model(with_value(scene, effect.name, other)), model) for other in others):
             yield f"effects.{effect.name} = {value!r} cannot act: it needs {effect.needs[value]}"
 
 
 def _wedged(scene: Scene) -> Iterator[str]:
     """Warn of backlash without a gap."""
-    gaps = [mesh.backlash for stage in scene.stages.values() for _, mesh, *_ in meshes(stage)]
+    gaps = [
+        gears.backlash(stage, mesh, *pair) for stage in scene.stages.values() for _, mesh, *pair, _ in meshes(stage)
+    ]
     if scene.effects["contact"] == "backlash" and not all(gap > 0 for gap in gaps):
         yield "effects.contact = 'backlash': a mesh has no gap, so both its flanks wedge when centres approach"

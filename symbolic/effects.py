@@ -97,7 +97,8 @@ EFFECTS: tuple[Effect, ...] = (
         "mean",
         "Mesh stiffness over the mesh phase: single and double contact with jumps between, their mean, the same "
         "with smooth transitions, a few harmonics of it or of a table, or the curve computed from the teeth.",
-        "Wu et al. 2021 eqs 9-11; computed: potential-energy method, Yang and Lin 1987, J. Mech. Des. 109:189",
+        "Wu et al. 2021 eqs 9-11; computed: potential-energy method, Yang and Lin 1987, J. Mech. Transm. Autom. Des. "
+        "109:189",
         needs={
             "two-level": "a mesh with double_factor or face_width",
             "smooth": "a mesh with double_factor or face_width",
@@ -128,7 +129,7 @@ EFFECTS: tuple[Effect, ...] = (
         "bilateral",
         "bilateral",
         "Tooth contact: the mesh may pull (the paper), pushes on one flank only, or on both with a gap between.",
-        "Kahraman and Singh 1990, J. Sound Vib. 142:49, for the gap",
+        "Kahraman and Singh 1990, J. Sound Vib. 142:49, for the gap; gap from tooth thickness: DIN 3967",
         needs={"one-flank": "a stage", "backlash": "a stage"},
     ),
     Effect(
@@ -154,7 +155,7 @@ EFFECTS: tuple[Effect, ...] = (
         "on",
         "off",
         "Viscous dampers of bearings, couplings and supports: their own, or Rayleigh's, alpha M + beta K.",
-        "assumed form; Rayleigh 1877, The Theory of Sound, section 102",
+        "assumed form; Rayleigh 1877, The Theory of Sound, vol. 1",
         needs={"rayleigh": "a rayleigh table; give it mass or stiffness"},
         excludes={
             "rayleigh": (
@@ -222,9 +223,9 @@ EFFECTS: tuple[Effect, ...] = (
         ("off", "on"),
         "off",
         "off",
-        "Weight of every member that can move sideways.",
+        "Weight of every member that can move sideways, and of planets that sit unevenly on a carrier.",
         "G in Wu et al. 2021 eqs 31-38",
-        needs={"on": "a member that can move sideways"},
+        needs={"on": "a member that can move sideways, or planets that sit unevenly on a carrier"},
     ),
 )
 

@@ -10,13 +10,13 @@ from math import pi
 from typing import Any
 
 import casadi as ca
-from ltcgear.generated.contract import Report, State
+from ltcgear.generated.contract import BACK, Report, State
 
 from .elements import make
 from .joints import Joints, rotate
 from .kinematics import Kinematics
 from .lower import body_function, element_function
-from .model import BACK, BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model
+from .model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model
 from .profiles import evaluate
 
 QUANTITIES = {
@@ -153,8 +153,10 @@ class _Assembly(Kinematics):
         if ERROR in used:
             sign = -1 if instance.name.endswith(BACK) else 1
             error, slope = self.profile(mesh, "error", self.mesh_phase_of(mesh))
-            opening, _ = self.profile(mesh, "opening", ca.SX(0))
-            special |= {ERROR: sign * error + opening, ERROR_RATE: sign * slope * self.mesh_rate_of(mesh)}
+            if instance.group == "mesh":  # friction sees in the plane where pins stand
+                error = error + self.profile(mesh, "turned", ca.SX(0))[0]
+                special[ERROR] = sign * error + self.profile(mesh, "opening", ca.SX(0))[0]
+            special = {ERROR: sign * error} | special | {ERROR_RATE: sign * slope * self.mesh_rate_of(mesh)}
         return special
 
     def profile(self, mesh: str, quantity: str, tau: Any) -> tuple[Any, Any]:  # noqa: ANN401

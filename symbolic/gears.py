@@ -98,6 +98,14 @@ def path_of_contact(stage: Planetary | Pair, one: Gear, two: Gear, sigma: int) -
     return at.r2 * tan(at.alpha) - other, sigma * (own - at.r1 * tan(at.alpha))
 
 
+def backlash(stage: Stage, mesh: Mesh, one: Gear, two: Gear) -> float:
+    """Return the gap along the line of action [m]: given, and of thinner teeth, s_n cos(alpha_t) / cos(beta)."""
+    thinning = one.tooth_thinning + two.tooth_thinning
+    if not thinning:
+        return mesh.backlash
+    return mesh.backlash + thinning / cos(stage.helix_angle) * cos(transverse(stage)[1])
+
+
 def interference(stage: Stage, one: Gear, two: Gear, sigma: int, distance: float) -> bool:
     """Tell whether full-depth tips pass the end of the line of action, where no involute can touch."""
     line = distance * sin(acos((base_radius(stage, one) + sigma * base_radius(stage, two)) / distance))

@@ -14,8 +14,6 @@ LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
 VARYING = "phase.varying"
 """Parameter: 1 in every run; 0 where profiles over the mesh phase shall be their means."""
-BACK = ".back"
-"""What a mesh's name gets for the flank that is not loaded."""
 
 
 @dataclass(frozen=True)
@@ -114,9 +112,10 @@ class Phase:
 
 @dataclass(frozen=True)
 class Profile:
-    """What a mesh's ``stiffness``, ``error`` or ``opening`` is over its phase: a kind of ``profiles``, its parameters.
+    """What a mesh's ``stiffness`` or ``error`` is over its phase: a kind of ``profiles`` and its parameters.
 
-    Both flanks see an error with opposite signs, since it is a motion, and an opening with the same.
+    ``turned`` and ``opening`` are what a pin out of place takes from a deflection that knows angles only. Both flanks
+    see ``error`` and ``turned`` with opposite signs, since these are motions, and ``opening`` with the same.
     """
 
     mesh: str

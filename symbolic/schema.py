@@ -129,10 +129,15 @@ class Eccentricity(Table):
 
 
 class Gear(Member):
-    """A gear: teeth (radii then follow from module and angles) or an explicit base radius."""
+    """A gear: teeth (radii then follow from module and angles) or an explicit base radius.
+
+    ``tooth_thinning`` is by how much its tolerance makes a tooth thinner, measured in the normal section on the
+    reference circle (DIN 3967); with ``contact = "backlash"`` it opens the gap.
+    """
 
     teeth: Annotated[int, Field(ge=3, le=100000)] | None = None
     profile_shift: Annotated[float, Field(gt=-2, lt=2)] = 0.0
+    tooth_thinning: Bore = 0.0
     base_radius: Length | None = None
     eccentricity: Eccentricity | None = None
 

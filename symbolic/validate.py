@@ -151,6 +151,10 @@ def _tooth_system(key: str, stage: Stage, wheels: dict[str, Gear]) -> Iterator[s
         return
     toothed = stage.module is not None
     for part, gear in wheels.items():
+        if gear.tooth_thinning < 0:
+            yield f"{key}.{part}.tooth_thinning: must not be less than zero"
+        if gear.tooth_thinning and not toothed:
+            yield f"{key}.{part}.tooth_thinning: needs the stage's module and pressure_angle; give the mesh's backlash"
         if gear.base_radius is None and (gear.teeth is None or not toothed):
             yield f"{key}.{part}: give teeth (with the stage's module and pressure_angle) or base_radius"
         if gear.base_radius is not None and gear.teeth is not None and toothed:

@@ -85,6 +85,8 @@ def acting_effects(scene: Scene, model: Model) -> list[dict[str, str]]:
         if value == effect.without:
             continue
         here = _difference(build_model(with_value(scene, effect.name, effect.without)), model)
+        if not here:
+            continue
         listed.append({"effect": effect.name, "value": value, "help": effect.help, "here": here})
     return listed
 
@@ -104,7 +106,7 @@ def _difference(plain: Model, model: Model) -> str:
         _number(len(set(new) - set(old)), "number more", "numbers more"),
         _number(sum(new[key] != old[key] for key in set(new) & set(old)), "other value", "other values"),
     ]
-    return ", ".join(part for part in parts if part) or "nothing: it cannot act in this scene"
+    return ", ".join(part for part in parts if part)
 
 
 def _counted(instances: list[Instance], words: str) -> list[str]:

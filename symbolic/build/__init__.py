@@ -59,7 +59,8 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
         add_member(draft, f"{name}.{part}", getattr(stage, part), name)
     draft.frames[name] = f"{name}.carrier.speed_ratio" if turns else None
     distance, carrier = gears.stage_distance(stage), f"{name}.carrier"
-    pins = zip(train.planet_angles(stage), pin_places(draft.scene, stage), strict=True)
+    angles = train.planet_angles(stage)
+    pins = zip(angles, pin_places(draft.scene, stage), strict=True)
     for i, (angle, pin) in enumerate(pins, start=1):
         planet = f"{name}.planet.{i}"
         direction = stage.line_of_centres + angle
@@ -73,7 +74,8 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
             add_pin(draft, name, i, stage, _place(draft, f"{name}.pin.{i}", *pin) if misplaced else place)
         for mesh_name, mesh, one, two, sigma in meshes(stage):
             key, members = f"{name}.{mesh_name}", (f"{name}.{mesh_name.split('_')[0]}", planet)
-            add_mesh(draft, MeshPlace(key, f"{key}.{i}", stage, mesh, (one, two), sigma, members, direction))
+            ahead = angle - angles[0]
+            add_mesh(draft, MeshPlace(key, f"{key}.{i}", stage, mesh, (one, two), sigma, members, direction, ahead))
 
 
 def _place(draft: Draft, name: str, x: float, y: float) -> tuple[str, str]:

@@ -7,7 +7,7 @@ from ..model import BASIS, Body
 from ..schema import Bearing, Coupling, Member, Planetary, Rotor, TorsionalSupport
 from .draft import Draft
 from .rayleigh import rayleigh_of
-from .rigid import joined_inertia, mass_centre, seated, static_moment, turning_of
+from .rigid import is_unbalanced, joined_inertia, mass_centre, seated, static_moment, turning_of
 
 
 def add_member(
@@ -40,7 +40,7 @@ def add_body(
             draft.number(f"{kin}.mass", mass, "kg") if lateral else None,
             draft.number(f"{kin}.inertia", inertia, "kg*m^2") if turning not in ("held", "led") else None,
             draft.number(f"{kin}.speed_ratio", draft.rigid.ratios[kin], "") if runs else None,
-            place, frame, leader, seat, static_moment(draft, name, mass) if lateral else None,
+            place, frame, leader, seat, static_moment(draft, name) if lateral else None,
         )
     )  # fmt: skip
 
@@ -152,13 +152,19 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
 
 def add_gravity(draft: Draft) -> None:
     """Add the weight of every body that can move sideways."""
-    heavy = [body for body in draft.bodies if body.lateral and body.mass is not None]
-    if not heavy:
-        return
+    for body in list(draft.bodies):
+        if body.lateral and body.mass is not None:
+            _weigh(draft, body, body.mass)
+        elif body.turning != "held" and is_unbalanced(draft, body.name):
+            # What sits unevenly on a carrier that only turns still turns it by its weight.
+            _weigh(draft, body, draft.number(f"{body.name}.seated_mass", seated(draft.scene, body.name)[0], "kg"))
+
+
+def _weigh(draft: Draft, body: Body, mass: str) -> None:
+    """Add the weight of one body, at its centre of mass."""
     x, y = draft.scene.gravity
     bind = {"g_x": draft.number("gravity.x", x, "m/s^2"), "g_y": draft.number("gravity.y", y, "m/s^2")}
-    for body in heavy:
-        centre = mass_centre(draft, body)
-        if centre is not body:
-            draft.bodies.append(centre)
-        draft.place(body.name, ("gravity",), (centre.name,), m=body.mass or "", beta=BASIS, **bind)
+    centre = mass_centre(draft, body, draft.parameters[mass].value)
+    if centre is not body:
+        draft.bodies.append(centre)
+    draft.place(body.name, ("gravity",), (centre.name,), m=mass, beta=BASIS, **bind)

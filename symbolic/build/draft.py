@@ -15,8 +15,8 @@ from ..series import Pairs
 class MeshPlace:
     """One mesh on its way into the model: names (of all equal ones, and its own), gears, and what its law needs.
 
-    ``in_plane`` tells that the law knows the gears' places, ``backwards`` that the contact moves away from the tip
-    of gear 1, ``switched`` that a level is needed.
+    ``ahead`` is the angle [rad] from planet 1 to the mesh's own. ``in_plane`` tells that the law knows the gears'
+    places, ``backwards`` that the contact moves away from the tip of gear 1, ``switched`` that a level is needed.
     """
 
     name: str
@@ -27,6 +27,7 @@ class MeshPlace:
     sigma: int
     members: tuple[str, str]
     direction: float
+    ahead: float = 0.0
     sense: int = 1
     in_plane: bool = True
     backwards: bool = False

@@ -51,24 +51,24 @@ def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
         yield Profile(at.label, "error", "tooth", numbers)
 
 
-def pin_turn(draft: Draft, at: MeshPlace) -> float:
-    """Return by how much a pin out of place turns the line of centres [rad]."""
+def pin_turn(draft: Draft, at: MeshPlace) -> float | None:
+    """Return by how much a pin out of place turns the line of centres [rad]; None in a stage without such pins."""
     if not (isinstance(at.stage, Planetary) and draft.on("planet_position_error") and at.stage.position_errors):
-        return 0.0
+        return None
     radial, tangential = pin_offset(draft.scene, at.stage, int(at.label.rsplit(".", 1)[1]))
     return atan2(tangential, gears.stage_distance(at.stage) + radial)
 
 
 def _misplaced(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
     """Note by how much a pin out of place turns and opens a mesh whose gears only turn, by the involute's law."""
-    stage = at.stage
-    if not (isinstance(stage, Planetary) and draft.on("planet_position_error") and stage.position_errors):
+    stage, turn = at.stage, pin_turn(draft, at)
+    if turn is None or not isinstance(stage, Planetary):
         return
     radial, tangential = pin_offset(draft.scene, stage, int(at.label.rsplit(".", 1)[1]))
     nominal = gears.mesh_geometry(stage, *at.wheels, at.sigma)
     base = nominal.r1 + at.sigma * nominal.r2
     now = sqrt((nominal.distance + radial) ** 2 + tangential**2 - base**2) / base
     opened = at.sigma * base * (now - atan2(now, 1.0) - gears.involute(nominal.alpha))
-    turned = draft.parameters[f"{at.name}.flank"].value * base * pin_turn(draft, at)
-    yield Profile(at.label, "error", "constant", (draft.number(f"{at.label}.turned", turned, "m"),))
+    turned = draft.parameters[f"{at.name}.flank"].value * base * turn
+    yield Profile(at.label, "turned", "constant", (draft.number(f"{at.label}.turned", turned, "m"),))
     yield Profile(at.label, "opening", "constant", (draft.number(f"{at.label}.opened", opened, "m"),))

@@ -1,7 +1,9 @@
 """Friction of meshes: at the pitch point, or at the contacts of the teeth."""
 
+from ltcgear.generated.contract import BACK
+
 from .. import gears
-from ..model import BACK, PHASE
+from ..model import PHASE
 from .draft import Draft, MeshPlace
 
 NOT_OF_FRICTION = ("c", "pull", "k_d", "z_1", "e_d")

@@ -2,8 +2,10 @@
 
 from math import cos, pi, sin, sqrt
 
+from ltcgear.generated.contract import BACK
+
 from .. import gears, train
-from ..model import BACK, PHASE, TURN, VARYING, Body, Level, Phase, Rolling
+from ..model import PHASE, TURN, VARYING, Body, Level, Phase, Rolling
 from ..schema import Eccentricity, Planetary
 from .bodies import reduced, swinging
 from .draft import Draft, MeshPlace
@@ -121,7 +123,7 @@ def _contact(
     if contact == "backlash":
         back = {
             "s": draft.number(f"{at.name}.other_flank", -draft.parameters[f"{at.name}.flank"].value, ""),
-            "gap": draft.number(f"{at.name}.backlash", at.mesh.backlash, "m"),
+            "gap": draft.number(f"{at.name}.backlash", gears.backlash(at.stage, at.mesh, *at.wheels), "m"),
         }
         draft.place(at.label + BACK, ("mesh", *form, "gap", *extra), bodies, **bind | back)
 
@@ -150,11 +152,12 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
     relative = draft.rigid.ratios[at.members[0]] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
     teeth = at.sense * (at.wheels[0].teeth or 0)
     per_turn = draft.number(f"{at.name}.teeth_1", teeth, "")
-    start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.direction / (2 * pi), "")
+    start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.ahead / (2 * pi), "")
     rolled = start
-    if not at.in_plane and (turn := pin_turn(draft, at)):
+    turn = None if at.in_plane else pin_turn(draft, at)
+    if turn is not None:
         # A mesh that knows angles only does not see where its pin stands.
-        before = at.mesh.phase - teeth * (at.direction + turn) / (2 * pi)
+        before = at.mesh.phase - teeth * (at.ahead + turn) / (2 * pi)
         rolled = draft.number(f"{at.label}.rolled_phase", before, "")
     draft.rollings.append(Rolling(at.label, per_turn, at.members[0], rolled))
     followed = any(profile.mesh == at.label for profile in draft.profiles)

@@ -1,14 +1,11 @@
 """What is rigidly joined: members of rigid shafts, planets on rigid pins."""
 
-from math import cos, hypot, sin
+from math import cos, sin
 
 from .. import gears, train
 from ..model import Body
 from ..schema import Member, Planetary, PositionError, Rotor, Scene
 from .draft import Draft
-
-BALANCED = 1e-9
-"""Offset over pin circle below which planets count as evenly spaced."""
 
 
 def turning_of(scene: Scene, rigid: train.Motion, name: str, member: Member | Rotor) -> str:
@@ -85,25 +82,32 @@ def joined_inertia(draft: Draft, name: str, member: Member | Rotor) -> float:
     return sum(train.inertia_of(everyone[other])[1] + seated(draft.scene, other)[1] for other in group)
 
 
-def static_moment(draft: Draft, name: str, mass: float) -> tuple[str, str] | None:
-    """Note mass times offset of what sits on a carrier; None where it is balanced."""
-    _, _, x, y = seated(draft.scene, name)
+def is_unbalanced(draft: Draft, name: str) -> bool:
+    """Tell whether planets sit unevenly on a member."""
     stage = draft.scene.stages.get(name.split(".")[0])
-    if stage is None or hypot(x, y) <= BALANCED * mass * gears.stage_distance(stage):
+    if not seated(draft.scene, name)[0] or not isinstance(stage, Planetary):
+        return False
+    misplaced = draft.on("planet_position_error") and bool(stage.position_errors)
+    return stage.planets == 1 or stage.planet_angles is not None or misplaced
+
+
+def static_moment(draft: Draft, name: str) -> tuple[str, str] | None:
+    """Note mass times offset of what sits unevenly on a carrier."""
+    if not is_unbalanced(draft, name):
         return None
+    _, _, x, y = seated(draft.scene, name)
     return draft.number(f"{name}.static_moment_x", x, "kg*m"), draft.number(f"{name}.static_moment_y", y, "kg*m")
 
 
-def mass_centre(draft: Draft, body: Body) -> Body:
+def mass_centre(draft: Draft, body: Body, mass: float) -> Body:
     """Return the point of a body at which its weight acts: itself, or a point of its own where it is unbalanced."""
-    if body.moment is None or body.mass is None:
+    if not is_unbalanced(draft, body.name):
         return body
-    mass = draft.parameters[body.mass].value
-    x, y = (
-        draft.number(f"{body.name}.mass_centre.{axis}_0", draft.parameters[name].value / mass, "m")
-        for axis, name in zip("xy", body.moment, strict=True)
+    place = tuple(
+        draft.number(f"{body.name}.mass_centre.{axis}_0", moment / mass, "m")
+        for axis, moment in zip("xy", seated(draft.scene, body.name)[2:], strict=True)
     )
     return Body(
-        f"{body.name}.mass_centre", False, "point", None, None, body.ratio, (x, y), body.frame,
+        f"{body.name}.mass_centre", False, "point", None, None, body.ratio, (place[0], place[1]), body.frame,
         body.leader or body.name, body.name,
     )  # fmt: skip

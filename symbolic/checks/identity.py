@@ -14,13 +14,14 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 import sympy as sp
+from ltcgear.generated.contract import BACK
 
 from ..elements import Element, make
 from ..elements.base import Port, positive, real
 from ..elements.mesh import D0, ERROR_RATE, EX, EY, S
 from ..lagrange import forces
 from ..lower import lower
-from ..model import BACK, STIFFNESS, Body, Instance, Model
+from ..model import STIFFNESS, Body, Instance, Model
 from .base import Check, Key, Writer, element_types, judged, title
 from .zero import vanishing
 

@@ -24,5 +24,5 @@ def rayleigh(motion: str) -> Element:
         dissipation=ALPHA * (m * (body.vx**2 + body.vy**2) + inertia * body.omega**2) / 2,
         wrench=(-ALPHA * m * body.vx, -ALPHA * m * body.vy, -ALPHA * inertia * body.omega),
         rates="deviation",
-        source="Rayleigh 1877, The Theory of Sound, section 102",
+        source="Rayleigh 1877, The Theory of Sound, vol. 1",
     )

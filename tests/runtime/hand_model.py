@@ -262,8 +262,10 @@ class HandModel:
         sense = -1 if ratio * start < 0 else 1
         per_angle = sense * m.teeth / (2 * PI)
         Dg = hand.direction_change(a.O, b.O, gamma0, self.frame_ratio(two) * self.phi)
-        nominal = m.mesh.phase + per_angle * (ratio * self.phi - gamma0)
-        return nominal, per_angle * ratio * self.speed, m.mesh.phase + per_angle * (a.th - gamma0 - Dg), sense
+        first = f"{two.rsplit('.', 1)[0]}.1" if ".planet." in two else two
+        ahead = gamma0 - self.direction[first]  # phases count from planet 1, wherever it stands
+        nominal = m.mesh.phase + per_angle * (ratio * self.phi - ahead)
+        return nominal, per_angle * ratio * self.speed, m.mesh.phase + per_angle * (a.th - ahead - Dg), sense
 
     def _flank(self, item, m, s, names, teeth, arms, out, **laws):
         """Normal force of one flank."""
@@ -349,6 +351,6 @@ class HandModel:
             out.add(name, torque=T)
         if member.drag is not None:
             out.add(name, torque=-member.drag * motion.w)
-        heavy = self.lateral(name) or (self.seated(name) and self.lateral(self.frame[name]))
+        heavy = self.lateral(name) or self.seated(name)
         if heavy and self.effects["gravity"] == "on":
             out.add(name, mass * np.array(self.scene.gravity))
