@@ -212,7 +212,7 @@ def _unrestrained(library: Library, shares: Vector) -> str:
     chosen = [f"{s.body} ({s.axis})" for s, share in zip(states, shares, strict=True) if share > 0.3 * shares.max()]
     return (
         f"no equilibrium: nothing holds {', '.join(chosen)} against the loads; "
-        "hold a speed in [loads], or give a bearing, a coupling or a torsional_support"
+        "hold a speed or give an initial_speed in [loads], or give a bearing, a coupling or a torsional_support"
     )
 
 

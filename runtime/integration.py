@@ -19,6 +19,8 @@ from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, l
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
+LOADED, UNLOADED = 1e-9, 1e-6
+"""Strain energy [J] above which a train counts as loaded; energy a freedom that stands for it in one that is not."""
 CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
 
 
@@ -80,7 +82,7 @@ def vibration_scale(library: Library, at: Equilibrium, p: Vector) -> Vector:
     """
     position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
     strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
-    energy = 1e-4 * strain / len(mass) if strain > 1e-9 else 1e-6
+    energy = 1e-4 * strain / len(mass) if strain > LOADED else UNLOADED
     matrix = state_matrix(library, at.x, at.s, pulling(library, p))
     diagonal = -np.diag(matrix[np.ix_(rate, position)]) * mass
     speed = np.sqrt(2 * energy / mass)

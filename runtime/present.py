@@ -265,11 +265,12 @@ def simulated(data: Data) -> None:
     for line in data["warnings"]:
         console.print(f"[yellow]warning[/]: {escape(line)}")
     counts = data["counts"]
+    by = "" if counts["expected_events"] is None else f" ({counts['expected_events']} by kinematics)"
     console.print(
         f"{data['method']} on {data['engine']}, rtol {data['rtol']:g}: {data['simulated_s']:.6g} s simulated, "
         f"{pace(data['real_time_factor'])}\n"
         f"{counts['steps']} steps, {counts['rhs']} right-hand sides, {counts['jacobian']} Jacobians; "
-        f"{counts['events']} stiffness switchings ({counts['expected_events']} by kinematics); "
+        f"{counts['events']} stiffness switchings{by}; "
         f"energy balance open by {abs(data['energy_residual']):.1e} of the strain energy\n"
         f"seconds: {_seconds(data['seconds'])}"
     )

@@ -11,7 +11,7 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from .equilibrium import Equilibrium
-from .integration import Trajectory
+from .integration import UNLOADED, Trajectory
 from .kernel import Kernel, over_time
 from .library import Library
 
@@ -56,11 +56,13 @@ def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Trajecto
     """Return what is missing in the energy balance, over the strain energy of the start.
 
     Energy at the end less energy at the start, less work of loads, drives and dampers, less what the
-    stiffness jumps put in; zero for an exact solution. Without strain energy it is taken over all work.
+    stiffness jumps put in; zero for an exact solution. Where there is less strain energy than `UNLOADED` a freedom
+    (the size of vibrations that tolerances then refer to), it is taken over that, or over all work.
     """
     missing = path.energy[1] - path.energy[0] - path.work - path.jump_energy
     strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
-    return missing / max(strain, abs(path.work) + abs(path.jump_energy), 1e-12)
+    freedoms = len(library.index(""))
+    return missing / max(strain, abs(path.work) + abs(path.jump_energy), UNLOADED * freedoms)
 
 
 def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> tuple[NDArray[np.int64], Vector]:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 from ltcgear.generated.errors import LtcgearError
 
 from .equilibrium import find_equilibrium
-from .integration import Trajectory, integrate
+from .integration import LOADED, Trajectory, integrate
+from .kernel import Kernel
 from .library import Library
 from .results import energy_residual, make_dataset
 from .signals import Pairs
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 
 DEFAULT_METHOD = "erk"
 DEFAULT_RTOL = 1e-6
+WRONG = 1e-2
+"""Energy missing over the strain energy from which a run is warned about."""
 
 
 def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
@@ -36,7 +39,7 @@ def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
     if not 1e-13 <= rtol <= 0.1:
         raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
-        raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds greater than zero")
+        raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds, greater than zero and below 1e7")
 
 
 def _check_size(library: Library, samples: float) -> None:
@@ -111,10 +114,13 @@ def simulate(
     seconds |= path.seconds
     clock = perf_counter()
     settings = {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
-    summary = settings | _outcome(path) | {"energy_residual": energy_residual(library, p, at, path)}
+    residual = energy_residual(library, p, at, path)
+    summary = settings | _outcome(path) | {"energy_residual": residual}
     dataset = make_dataset(library, p, path, oversample)
     seconds["outputs"] = perf_counter() - clock
-    summary |= {"seconds": seconds, "forces": _forces(dataset), "warnings": _pulling(path, dataset)}
+    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+    warnings = [*_open_balance(residual), *(_pulling(path, dataset) if strain > LOADED else ())]
+    summary |= {"seconds": seconds, "forces": _forces(dataset), "static_strain_j": strain, "warnings": warnings}
     told_in_file = {**_versions(), **(attributes or {}), **summary}
     del told_in_file["forces"]
     dataset.attrs |= {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in told_in_file.items()}
@@ -135,6 +141,14 @@ def _outcome(path: Trajectory) -> dict[str, Any]:
         "real_time_factor": path.end / path.seconds["integrate"],
         "counts": asdict(path.counts) | {"expected_events": path.expected_events},
     }
+
+
+def _open_balance(residual: float) -> list[str]:
+    """Say that a run's energy does not add up, so that its forces are not to be trusted."""
+    if abs(residual) < WRONG:
+        return []
+    open_by = f"the energy balance is open by {abs(residual):.1e} of the strain energy"
+    return [f"{open_by}; lower --rtol or try another --method"]
 
 
 def _pulling(path: Trajectory, dataset: "xr.Dataset") -> list[str]:

@@ -180,7 +180,7 @@ EFFECTS: tuple[Effect, ...] = (
         "off",
         "Radial clearance of bearings and planet bearings: no force before it is used up.",
         "Kahraman and Singh 1991, J. Sound Vib. 144:469",
-        needs={"on": "a bearing or pin with clearance; give one"},
+        needs={"on": "a bearing or flexible pin with clearance, and sideways motion"},
     ),
     Effect(
         "planet_position_error",

@@ -9,6 +9,7 @@ from .quantities import Angle, Bore, Damping, Length, Ratio, Stiffness, Table, T
 from .series import Pairs, Series
 
 MOST_HARMONICS = 200
+TRANSITION = 0.1  # [pitches]
 
 
 class Friction(Table):
@@ -71,8 +72,9 @@ class Mesh(Table):
     ``torsional_stiffness`` with its ``reference`` gear, k = K / r_b^2. ``double_factor`` is the
     paper's xi: double contact is that much stiffer. Without it the stiffness is constant. From
     ``face_width`` both levels are computed (spur gears). ``transition`` is the width of ``smooth`` transitions
-    in tooth pitches, ``harmonics`` how many of the mesh frequency ``fourier`` and ``table`` keep, the latter of
-    ``stiffness_table``, stiffness over the mesh phase (0 where single contact begins, 1 a tooth pitch later).
+    in tooth pitches (where left out `TRANSITION`, or the shorter of single and double contact), ``harmonics`` how
+    many of the mesh frequency ``fourier`` and ``table`` keep, the latter of ``stiffness_table``, stiffness over the
+    mesh phase (0 where single contact begins, 1 a tooth pitch later).
     """
 
     stiffness: Stiffness | None = None
@@ -88,7 +90,7 @@ class Mesh(Table):
     flank: Literal["auto", "printed", "opposite"] = "auto"
     backlash: Bore = 0.0
     friction: Friction | None = None
-    transition: Ratio = 0.1
+    transition: Annotated[float, Field(ge=0.001, lt=1)] | None = None
     harmonics: Annotated[int, Field(ge=1, le=MOST_HARMONICS)] = 5
     transmission_error: TransmissionError | None = None
     tooth_errors: Annotated[list[ToothError], Field(max_length=200)] = []

@@ -100,7 +100,7 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     begun = {load.member: load.initial_speed for load in scene.loads.values() if load.initial_speed is not None}
     given = begun | held
     if not given:
-        return Motion("rest", "", 0.0, dict.fromkeys(everyone, 0.0)), []
+        return Motion("rest", "", 0.0, dict.fromkeys(everyone, 0.0)), _driven_from_rest(scene, column)
     # A member that is braked to zero cannot be the reference of those that turn.
     lead = next((name for name in (*held, *begun) if given[name]), next(iter(held or begun)))
     lead = next(iter(tables), lead)
@@ -125,6 +125,19 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     faults = _motion_faults(matrix, vector, solution, int(rank), list(everyone))
     ratios = {name: float(solution[i]) + 0.0 for name, i in column.items()}
     return Motion("speed" if lead in held else "torque", lead, speed, ratios), faults
+
+
+def _driven_from_rest(scene: Scene, column: dict[str, int]) -> list[str]:
+    """Say which loads would set a train in motion of which no speed is known."""
+    rows = [row for _, row in _rolling_rows(scene, column)]
+    rows += [np.eye(len(column))[column[n]] for n, m in members(scene).items() if is_fixed(m) or m.torsional_support]
+    if rows and np.linalg.matrix_rank(np.array(rows)) == len(column):
+        return []
+    return [
+        f'loads.{name}: drives a train of which no speed is known; give one load an initial_speed ("0 rpm" from rest)'
+        for name, load in scene.loads.items()
+        if load.torque_over_time is not None or load.slip is not None
+    ]
 
 
 def chief_speed(pairs: Pairs) -> float:

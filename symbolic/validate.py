@@ -13,6 +13,8 @@ from .mesh_schema import Mesh
 from .schema import Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
 
 PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
+SMALL = 0.05
+"""The most that a gap or an error may be of the centre distance; beyond, small ones were meant."""
 RESERVED = ("reference", "origin", "gravity", "loads", "couplings")
 ONE_STAGE: TypeAdapter[Planetary | Pair] = TypeAdapter(Annotated[Planetary | Pair, Field(discriminator="kind")])
 
@@ -123,10 +125,38 @@ def _stage(name: str, stage: Planetary | Pair) -> Iterator[str]:
     if not faults:
         for mesh_name, mesh, one, two, sigma in meshes(stage):
             faults += _mesh(f"{key}.{mesh_name}", stage, mesh, one, two, sigma)
+        faults += _small(key, stage)
         if isinstance(stage, Planetary):
             faults += _support(key, stage)
             faults += [*_assembly(key, stage), *(_room(key, stage) if not faults else ())]
     yield from faults
+
+
+def _small(key: str, stage: Planetary | Pair) -> Iterator[str]:
+    """Check that gaps and errors are small beside the stage, and that gaps are none or more."""
+    lengths: dict[str, float] = {}
+    for name, mesh, *_ in meshes(stage):
+        lengths[f"{name}.backlash"] = mesh.backlash
+        lengths |= {f"{name}.tooth_errors.{i}.error": item.error for i, item in enumerate(mesh.tooth_errors)}
+        harmonics = mesh.transmission_error.amplitudes if mesh.transmission_error else ()
+        lengths |= {f"{name}.transmission_error.amplitudes.{i}": size for i, size in enumerate(harmonics)}
+    for part in PARTS[stage.kind]:
+        gear = getattr(stage, part)
+        if isinstance(gear, Gear) and gear.eccentricity is not None:
+            lengths[f"{part}.eccentricity.radius"] = gear.eccentricity.radius
+        if gear.bearing is not None and gear.bearing.clearance is not None:
+            lengths[f"{part}.bearing.clearance"] = gear.bearing.clearance
+    if isinstance(stage, Planetary):
+        lengths["pin.clearance"] = stage.pin.clearance or 0.0
+        lengths |= {f"eccentricities.{i}.radius": item.radius for i, item in enumerate(stage.eccentricities)}
+        for i, item in enumerate(stage.position_errors):
+            lengths |= {f"position_errors.{i}.{axis}": getattr(item, axis) for axis in ("radial", "tangential")}
+    most = SMALL * gears.stage_distance(stage)
+    for name, length in lengths.items():
+        if abs(length) > most:
+            yield f"{key}.{name}: {length * 1e3:.4g} mm is no small error; {most * 1e3:.4g} mm at most"
+        if length < 0 and name.endswith(("backlash", "radius")):
+            yield f"{key}.{name}: must not be less than zero"
 
 
 def meshes(stage: Planetary | Pair) -> list[tuple[str, Mesh, Gear, Gear, int]]:
@@ -229,7 +259,7 @@ def _profile(key: str, geometry: tuple[Planetary | Pair, Mesh, Gear, Gear, int])
     if double is not None:
         share = gears.single_share(*geometry)
         room = min(share, 1 - share)
-        if "transition" in mesh.model_fields_set and mesh.transition > room * (1 + 1e-9):
+        if mesh.transition is not None and mesh.transition > room * (1 + 1e-9):
             yield f"{key}.transition: transitions overlap, single contact lasts {share:.3f} pitches; {room:.3f} at most"
         series = mesh_stiffness.two_level_series(single, double, share, mesh.harmonics)
         yield from _positive(f"{key}.harmonics", series)
@@ -250,8 +280,11 @@ def _tooth_errors(
     key: str, stage: Planetary | Pair, mesh: Mesh, parts: tuple[str, ...], wheels: tuple[Gear, Gear]
 ) -> Iterator[str]:
     """Check that the teeth with errors exist."""
+    named = [(item.gear, item.tooth, item.planet) for item in mesh.tooth_errors]
     for number, item in enumerate(mesh.tooth_errors):
         where = f"{key}.tooth_errors.{number}"
+        if named[number] in named[:number]:
+            yield f"{where}: tooth {item.tooth} of the {item.gear} is given twice; keep one"
         if item.gear not in parts:
             yield f"{where}.gear: must be one of {', '.join(parts)}, not {item.gear!r}"
             continue

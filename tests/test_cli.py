@@ -77,7 +77,7 @@ def test_effects(data, run):
     listed = {item["name"]: item for item in data("effects")["effects"]}
     assert listed["mesh_law"]["default"] == listed["mesh_law"]["values"][0] == "involute"
     assert all(item["help"] and item["source"] for item in listed.values())
-    assert listed["gravity"]["needs"] == {"on": "a member that can move sideways"}
+    assert listed["gravity"]["needs"]["on"].startswith("a member that can move sideways")
     assert all({"without", "excludes"} <= set(item) for item in listed.values())
     text = " ".join(run("effects")[1].split())
     assert "bearing_friction" in text

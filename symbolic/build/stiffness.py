@@ -1,6 +1,7 @@
 """How a mesh's stiffness is bound: one number, two and a level, or a profile over the mesh phase."""
 
 from .. import gears, mesh_stiffness
+from ..mesh_schema import TRANSITION
 from ..model import LEVEL, SLOPE, STIFFNESS, Profile
 from .draft import Draft, MeshPlace
 
@@ -22,7 +23,7 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
     if chosen in ("mean", "table"):
         bind["k"] = draft.number(f"{at.name}.stiffness", mean, "N/m")
     elif chosen == "smooth":
-        width = draft.number(f"{at.name}.transition", min(at.mesh.transition, share, 1 - share), "")
+        width = draft.number(f"{at.name}.transition", min(at.mesh.transition or TRANSITION, share, 1 - share), "")
         _follow(draft, at, "smooth", (*_levels(draft, at, single, double, share), width), bind)
     elif chosen == "fourier":
         series = (

@@ -92,7 +92,7 @@ class HandMesh:
         """Stiffness [N/m] at a phase and its slope over the phase."""
         if self.terms is not None:
             return profiles.wave(tau, *self.terms)
-        width = min(self.mesh.transition, self.share, 1 - self.share)  # no wider than the shorter contact
+        width = min(self.mesh.transition or 0.1, self.share, 1 - self.share)  # no wider than the shorter contact
         return profiles.smooth_levels(tau, self.k1, self.k2, self.share, width)
 
     def error(self, tau):

@@ -75,7 +75,7 @@ def test_weight_of_planets_turns_a_carrier_that_cannot_move_sideways():
 
 
 def test_thinner_teeth_open_the_gap():
-    """Thinning in the normal section is wider by 1 / cos(beta) on the reference circle; along the line, cos(alpha_t) of it."""
+    """Normal thinning is 1 / cos(beta) wider in the transverse section, and cos(alpha_t) of that along the line."""
     raw = raw_scene(
         "psh", "stages.psh.input.tooth_thinning = '60 um'", "stages.psh.output.tooth_thinning = '40 um'",
         "effects.contact = 'backlash'",

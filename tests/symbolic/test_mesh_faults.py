@@ -68,3 +68,34 @@ def test_default_transitions_give_way_where_contact_is_short():
     """With a contact ratio of 1.96 single contact lasts 0.04 pitches, less than the default transition."""
     scene = make_scene(raw_scene("lsp", f"{MESH}.contact_ratio = 1.96", "effects.mesh_stiffness = 'smooth'"))
     assert build_model(scene).values()["lsp.sun_planet.transition"] == pytest.approx(0.04)
+
+
+@pytest.mark.parametrize(
+    ("setting", "key"),
+    [
+        (f"{MESH}.backlash = '-1 mm'", f"{MESH}.backlash"),
+        (f"{MESH}.backlash = '1 km'", f"{MESH}.backlash"),
+        (f"{MESH}.transmission_error.amplitudes = ['1 m']", f"{MESH}.transmission_error.amplitudes.0"),
+        ("stages.lsp.pin.clearance = '1 m'", "stages.lsp.pin.clearance"),
+        ("stages.lsp.position_errors = [{planet = 1, radial = '1 m'}]", "stages.lsp.position_errors.0.radial"),
+        ("stages.lsp.sun.eccentricity.radius = '-1 um'", "stages.lsp.sun.eccentricity.radius"),
+        (f"{MESH}.transition = 1e-9", f"{MESH}.transition"),
+        (
+            f"{MESH}.tooth_errors = [{{gear = 'sun', tooth = 1, error = '1 um'}}, "
+            "{gear = 'sun', tooth = 1, error = '2 um'}]",
+            f"{MESH}.tooth_errors.1",
+        ),
+    ],
+)
+def test_gaps_and_errors_are_small_ones(setting, key):
+    with pytest.raises(SceneError) as told:
+        make_scene(raw_scene("lsp", setting))
+    assert any(line.strip().startswith(f"{key}:") for line in str(told.value).splitlines())
+
+
+def test_a_train_driven_from_rest_needs_its_speed():
+    raw = raw_scene("psh", "-loads.input.speed", "loads.input.torque_over_time = [['0 s', '0 N*m'], ['1 s', '9 N*m']]")
+    with pytest.raises(SceneError, match="initial_speed"):
+        make_scene(raw)
+    raw["loads"]["input"]["initial_speed"] = "0 rpm"
+    assert make_scene(raw).loads
