@@ -1,0 +1,104 @@
+"""Tables of docs/: what they print is what the code computes."""
+
+from importlib import import_module
+from math import pi
+
+import numpy as np
+import pytest
+from ltcgear.generated import store
+from ltcgear.runtime.equilibrium import find_equilibrium
+from ltcgear.runtime.kernel import over_time
+from ltcgear.runtime.library import build
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.scene import load_scene
+
+from regenerate import ROOT
+
+
+@pytest.fixture(scope="module")
+def benchmarks():
+    """Import a module of benchmarks/ by its name."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(ROOT)
+        yield lambda name: import_module(f"benchmarks.{name}")
+
+
+def rows(page):
+    """The table between the marks of a page, row by row, a list of cells each; and its lines."""
+    text = page.PAGE.read_text("utf-8").split(page.BEGIN)[1].split(page.END)[0]
+    lines = text.splitlines(keepends=True)[2:]
+    return [[cell.strip() for cell in line.strip("|\n ").split("|")] for line in lines], lines
+
+
+def numbers(cell):
+    return np.array([float(part) for part in cell.split(",")])
+
+
+def test_stiffness(benchmarks):
+    table4 = benchmarks("table4")
+    assert table4.PAGE.read_text("utf-8").split(table4.BEGIN)[1].split(table4.END)[0] == table4.table()
+
+
+# --- floating
+
+
+def loaded_shares(floating, scene, stiff):
+    """Shares of the planets in the loaded equilibrium, from the equations themselves (nothing is compiled)."""
+    model = build_model(load_scene(scene, floating.ERROR | (floating.STIFF if stiff else {})))
+    library = build(obtain(model))
+    assert library.path is None
+    p = library.parameters(model.values())
+    at = find_equilibrium(library, p)
+    y = over_time(library.functions["outputs"], [at.x[None], at.s[None], p])[0]
+    reports = enumerate(library.manifest.reports)
+    forces = [y[i] for i, r in reports if r.quantity == "mesh_force" and r.item.startswith("lsp.sun_planet")]
+    return np.array(forces) / np.mean(forces)
+
+
+def test_floating(benchmarks, monkeypatch):
+    floating = benchmarks("floating")
+    monkeypatch.setattr(store, "compiler", lambda: None)
+    found, _ = rows(floating)
+    assert [row[:2] for row in found] == [[s, sun] for s, _ in floating.CASES for sun in ("floating", "stiff bearing")]
+    for scene, sun, printed, spread, _ in found:
+        shares = loaded_shares(floating, scene, sun == "stiff bearing")
+        assert numbers(printed) == pytest.approx(shares, abs=2e-3)
+        assert float(spread) == pytest.approx(np.ptp(shares), abs=2e-3)
+
+
+# --- friction
+
+
+def test_friction_has_the_closed_forms(benchmarks):
+    sliding = benchmarks("sliding")
+    found, lines = rows(sliding)
+    assert len(found) == 2 * len(sliding.CASES)
+    for cells, line in zip(found, lines, strict=True):
+        teeth = tuple(int(z) for z in cells[0].split(":"))
+        assert teeth in sliding.CASES
+        assert sliding.row(teeth, int(cells[2]), tuple(numbers(cells[3])), float(cells[6])) == line
+
+
+def test_friction_is_what_a_run_gives(benchmarks):
+    sliding = benchmarks("sliding")
+    for cells in rows(sliding)[0]:
+        teeth, sign = tuple(int(z) for z in cells[0].split(":")), 3 - 2 * int(cells[2])
+        for sense, printed in zip((1, -1), numbers(cells[3]), strict=True):
+            run = sliding.simulate(*teeth, sense * sliding.SPEED, sense * sign * sliding.TORQUE, pitches=2)
+            assert (run.power < 0) == (sign > 0)  # a gear 2 that is driven takes power out
+            assert run.factor == pytest.approx(printed, abs=1e-4)
+            assert run.efficiency == pytest.approx(float(cells[6]), abs=1e-5)
+        assert numbers(cells[3]) == pytest.approx(float(cells[4]), rel=5e-3)
+
+
+@pytest.mark.parametrize(("a", "b"), [(0.7, 0.8), (0.5, 0.5 + 1e-9), (0.45, 1.3), (1.2, 0.6), (0.9, 0.9)])
+def test_closed_forms_are_sums_over_the_path(benchmarks, a, b):
+    sliding = benchmarks("sliding")
+    x = np.linspace(-a, b, 1_000_001)
+    single = (x > b - 1) & (x < 1 - a)
+    linear = np.clip(np.minimum(x + a, b - x) / (a + b - 1), 0.0, 1.0)
+    for form, part in ((sliding.linear, linear), (sliding.halves, np.where(single, 1.0, 0.5))):
+        for u, z1 in ((21 / 59, 59), (-21 / 96, 96)):
+            wanted = 2 * pi * abs(1 / u + 1) / z1 * np.trapezoid(part * np.abs(x), x)
+            assert form(u, z1, a, b) == pytest.approx(wanted, rel=1e-5)
