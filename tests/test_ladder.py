@@ -8,6 +8,7 @@ import pytest
 from ltcgear.runtime.cost import MEASURES
 from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
 
 PATH = Path(__file__).parents[1] / "benchmarks" / "ladder.py"
@@ -30,6 +31,18 @@ def test_every_rung_is_a_scene_of_its_own(ladder):
         assert warnings(scene, models[-1]) == []
     assert all(one.structure() != two.structure() for one, two in pairwise(models))
     assert all(len(one.parameters) <= len(two.parameters) for one, two in pairwise(models))
+
+
+def test_a_torsional_rig_needs_a_quarter_of_the_operations(ladder):
+    """Of those of the shipped rig, which moves sideways; the page tells both, as the C counts them."""
+    page, found = ladder.PAGE.read_text("utf-8"), {}
+    for name, parts in ladder.RUNGS[:3]:
+        scene = load_scene(ladder.SCENE, {key: value for part in parts for key, value in part.items()})
+        manifest = obtain(build_model(scene)).manifest
+        found[name] = manifest.functions["rhs"].operations
+        assert f"| {name} | {len(manifest.states)} | {found[name]} |" in page
+    torsional, _, lateral = found.values()
+    assert 4 * torsional <= lateral
 
 
 def test_the_page_holds_the_rungs(ladder):
