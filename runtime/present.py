@@ -260,7 +260,8 @@ def simulated(data: Data) -> None:
         table = _table("Mesh forces, second half of the run", "mesh", ">mean N", ">min N", ">max N", ">load factor")
         for name, force in data["forces"].items():
             row = (f"{force[key]:.5g}" for key in ("mean", "min", "max"))
-            table.add_row(name, *row, f"{force['load_factor']:.3f}")
+            factor = force["load_factor"]
+            table.add_row(name, *row, "-" if math.isnan(factor) else f"{factor:.3f}")
         console.print(table)
     for line in data["warnings"]:
         console.print(f"[yellow]warning[/]: {escape(line)}")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.errors import LtcgearError
 
-from .equilibrium import find_equilibrium
+from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import LOADED, Trajectory, integrate
 from .kernel import Kernel
 from .library import Library
@@ -113,14 +113,10 @@ def simulate(
     )
     seconds |= path.seconds
     clock = perf_counter()
-    settings = {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
-    residual = energy_residual(library, p, at, path)
-    summary = settings | _outcome(path) | {"energy_residual": residual}
     dataset = make_dataset(library, p, path, oversample)
     seconds["outputs"] = perf_counter() - clock
-    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
-    warnings = [*_open_balance(residual), *(_pulling(path, dataset) if strain > LOADED else ())]
-    summary |= {"seconds": seconds, "forces": _forces(dataset), "static_strain_j": strain, "warnings": warnings}
+    settings = {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
+    summary = settings | _outcome(library, p, at, path, dataset) | {"seconds": seconds}
     told_in_file = {**_versions(), **(attributes or {}), **summary}
     del told_in_file["forces"]
     dataset.attrs |= {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in told_in_file.items()}
@@ -133,13 +129,19 @@ def _versions() -> dict[str, Any]:
     return {"ltcgear": versions["ltcgear"], "versions": versions | {"python": sys.version.split()[0]}}
 
 
-def _outcome(path: Trajectory) -> dict[str, Any]:
-    """Return how an integration went."""
+def _outcome(library: Library, p: Vector, at: Equilibrium, path: Trajectory, dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return how an integration went, what it is worth, and the forces it found."""
+    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+    residual = energy_residual(library, p, at, path)
     return {
         "status": path.status,
         "simulated_s": path.end,
         "real_time_factor": path.end / path.seconds["integrate"],
         "counts": asdict(path.counts) | {"expected_events": path.expected_events},
+        "energy_residual": residual,
+        "static_strain_j": strain,
+        "forces": _forces(dataset),
+        "warnings": [*_open_balance(residual), *(_pulling(path, dataset) if strain > LOADED else ())],
     }
 
 
