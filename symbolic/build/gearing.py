@@ -21,7 +21,7 @@ def add_mesh(draft: Draft, at: MeshPlace) -> None:
     geometry = gears.mesh_geometry(at.stage, *at.wheels, at.sigma)
     force = draft.statics[name]
     sign = {"auto": -1.0 if force < 0 else 1.0, "printed": 1.0, "opposite": -1.0}[at.mesh.flank]
-    at.sense = _sense(draft, at)
+    at.sense = -1 if _relative(draft, at) * (draft.rigid.speed or 1.0) < 0 else 1
     at.backwards = sign * at.sense < 0
     bind = {
         "r_1": draft.number(f"{name}.base_radius_1", geometry.r1, "m"),
@@ -55,11 +55,10 @@ def add_mesh(draft: Draft, at: MeshPlace) -> None:
         _phase(draft, at)
 
 
-def _sense(draft: Draft, at: MeshPlace) -> int:
-    """Return the sense in which gear 1 turns against the line of centres at the start."""
+def _relative(draft: Draft, at: MeshPlace) -> float:
+    """Return the speed of gear 1 against the line of centres, over the reference speed."""
     stage = at.name.split(".")[0]
-    relative = draft.rigid.ratios[at.members[0]] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
-    return -1 if relative * (draft.rigid.speed or 1.0) < 0 else 1
+    return draft.rigid.ratios[at.members[0]] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
 
 
 def _in_plane(draft: Draft, at: MeshPlace, geometry: gears.MeshGeometry, law: str) -> dict[str, str]:
@@ -148,8 +147,7 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
     It counts up in the sense in which the gears turn at the start, so that every mesh begins with the
     single contact of eq 9, shifted by its planet's place; ``teeth_1`` is negative where that is clockwise.
     """
-    stage = at.name.split(".")[0]
-    relative = draft.rigid.ratios[at.members[0]] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
+    relative = _relative(draft, at)
     teeth = at.sense * (at.wheels[0].teeth or 0)
     per_turn = draft.number(f"{at.name}.teeth_1", teeth, "")
     start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.ahead / (2 * pi), "")

@@ -15,11 +15,11 @@ RATE, TIME = 4096.0, np.arange(4096) / 4096.0
 MESHES = ["a.sun_planet.1", "a.sun_planet.2", "b.mesh"]
 
 
-def result(forces, speed=40.0):
+def result(forces, speed=40.0, meshes=MESHES):
     """A result with three meshes; ``forces`` are their histories."""
     values = np.array([np.broadcast_to(force, TIME.shape) for force in forces]).T
     phases = np.tile(speed * TIME[:, None], (1, len(forces)))
-    meshes = MESHES[: len(forces)]
+    meshes = meshes[: len(forces)]
     return xr.Dataset(
         {"mesh_force": (("time", "mesh"), values), "mesh_phase": (("time", "mesh"), phases)},
         coords={"time": TIME, "mesh": meshes},
@@ -54,6 +54,14 @@ def test_a_mesh_that_is_not_there_counts_as_unloaded():
     found = compare_forces(FULL, result([100 + wave(10)]))
     assert found["a"]["force_rms"] == found["b"]["force_peak"] == -1.0
     assert found["a"]["load_share"] == pytest.approx(2.0 - 100 / 90, abs=1e-3)
+
+
+def test_a_force_on_the_other_flank_is_the_force_of_its_mesh():
+    """A bilateral mesh pulls with what presses the other flank of one with backlash: nothing has changed."""
+    pulls = result([-100 - wave(10)], meshes=["b.mesh"])
+    presses = result([0.0, 100 + wave(10)], meshes=["b.mesh", "b.mesh.back"])
+    for found in (compare_forces(pulls, presses), compare_forces(presses, pulls)):
+        assert found == {"b": dict.fromkeys(MEASURES, 0.0) | {"load_share": None}}
 
 
 def test_nothing_to_refer_to_is_none_not_infinite():
