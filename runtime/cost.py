@@ -12,9 +12,9 @@ from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
 from .equilibrium import find_equilibrium
-from .integration import LOADED
 from .kernel import Kernel
 from .library import Library
+from .scaling import LOADED
 from .signals import Pairs
 from .simulation import DEFAULT_METHOD, Result, simulate
 from .statistics import group_of, mesh_statistics, stage_of, steady_start, window

@@ -7,8 +7,8 @@ from ltcgear.generated.contract import State
 from numpy.typing import NDArray
 
 from .equilibrium import Equilibrium, settled, state_matrix
-from .integration import vibration_scale
 from .library import Library
+from .scaling import vibration_scale
 
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]

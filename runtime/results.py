@@ -11,9 +11,10 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from .equilibrium import Equilibrium
-from .integration import UNLOADED, Trajectory
+from .integration import Trajectory
 from .kernel import Kernel, over_time
 from .library import Library
+from .scaling import UNLOADED
 
 if TYPE_CHECKING:
     import xarray as xr

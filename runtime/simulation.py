@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 from ltcgear.generated.errors import LtcgearError
 
 from .equilibrium import Equilibrium, Vector, find_equilibrium
-from .integration import LOADED, Trajectory, integrate
+from .integration import Trajectory, integrate
 from .kernel import Kernel
 from .library import Library
 from .results import energy_residual, make_dataset
+from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics, steady_start
 from .stepper import METHODS

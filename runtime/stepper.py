@@ -56,15 +56,26 @@ class Frame:
     scale: Vector
 
 
+@dataclass(frozen=True)
+class Arc:
+    """A piece of smooth motion: its duration [s], z and the work done on the system [J] at its nodes.
+
+    Shapes (nodes, n) and (nodes,), the start included. An engine that finds switchings itself may end
+    before the time it was asked for.
+    """
+
+    duration: float
+    z: Vector
+    work: Vector
+
+
 class Stepper(Protocol):
     """Integrates one segment."""
 
     counts: Counts
 
-    def advance(
-        self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT
-    ) -> tuple[Vector, float]:
-        """Return z at the nodes, shape (nodes, n), and the work done on the system [J].
+    def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
+        """Return the motion from z on.
 
         ``s`` are levels and load signals at the segment's start, ``slope`` the signals' rates.
         """
@@ -144,10 +155,8 @@ class _Base:
         """Evaluate the integrator on the buffers; RuntimeError where it fails."""
         self.kernel.evaluate()
 
-    def advance(
-        self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT
-    ) -> tuple[Vector, float]:
-        """Return z at the nodes, shape (nodes, n), and the work done on the system [J]."""
+    def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
+        """Return the motion from z on."""
         self.state[:] = z
         self.part["duration"][:], self.part["origin"][:], self.part["s"][:] = duration, origin, s
         self.part["slope"][:] = slope
@@ -156,7 +165,7 @@ class _Base:
         path = self.end.reshape(len(self.nodes), self.size)
         if not np.isfinite(path[-1]).all():
             raise RuntimeError("a value is not finite")
-        return path, float(self.work[-1])
+        return Arc(duration, np.vstack([z, path]), np.concatenate([[0.0], self.work]))
 
 
 class _CasadiStepper(_Base):
@@ -255,9 +264,7 @@ class _WholeStepper(_Base):
         self._before, self._last = tuple(self._tally), 0.0
         return function
 
-    def advance(
-        self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT
-    ) -> tuple[Vector, float]:
+    def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
         """Integrate a segment, beginning with the step the last one ended with."""
         self.part["first"][:] = min(self._last / duration, 1.0)
         return super().advance(z, duration, origin, s, slope)

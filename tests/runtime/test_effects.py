@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 from ltcgear.generated import store
-from ltcgear.runtime.integration import fastest, vibration_scale
 from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import Library, build
+from ltcgear.runtime.scaling import fastest, vibration_scale
 from ltcgear.runtime.simulation import simulate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.effects import DEFAULTS

@@ -37,7 +37,8 @@ def whole(library):
     n = len(library.manifest.states)
     frame = Frame(np.zeros(n), np.ones(n))
     stepper = make_stepper(library, "erk", 1e-6, frame, p, np.array([1.0]))
-    z, work = stepper.advance(np.zeros(n), 1e-3, np.zeros(n), np.zeros(len(library.manifest.levels)))
+    arc = stepper.advance(np.zeros(n), 1e-3, np.zeros(n), np.zeros(len(library.manifest.levels)))
+    z = arc.z[1:]
     assert np.isfinite(z).all() and stepper.counts.steps > 0
     return z
 

@@ -1,0 +1,151 @@
+"""March: an integration under way, segment by segment of smooth motion between switching instants."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .equilibrium import Equilibrium
+from .extremes import MeshExtremes
+from .kernel import Kernel
+from .library import Library
+from .nodes import Chebyshev, Nodes, Uniform
+from .scaling import fastest, vibration_scale
+from .signals import Signals
+from .stepper import MULTISTEP, Frame, make_stepper
+from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
+
+Vector = NDArray[np.float64]
+
+
+class March:
+    """An integration under way."""
+
+    def __init__(
+        self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
+        signals: Signals,
+    ) -> None:  # fmt: skip
+        self.library, self.p, self.at, self.signals = library, p, at, signals
+        self.frame = Frame(at.x, vibration_scale(library, at, p))
+        self.nodes, self.longest = self._layout(method, samples, rate)
+        self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:])
+        self.phase_kernel, self.energy_kernel = (
+            Kernel(library.functions["phases"]),
+            Kernel(library.functions["energy"]),
+        )
+        self.z = np.zeros(len(at.x))
+        self.work = self.jump_energy = self.time = 0.0
+        names, kinds = [state.name for state in library.manifest.states], library.manifest.signals
+        self.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), None)
+        self.angle = names.index("reference.angle") if "reference.angle" in names else -1
+        start = signals.at(0.0)
+        self.cells: Cells = cells_of(self.phases(self.z, start))
+        self.last_turn, self.expected, self.reversed = self.cells, 0, False
+        self.first_energy = self.energy(self.z, self.cells, start)
+        self.extremes = MeshExtremes(library, p, len(self.nodes.points), samples / rate)
+
+    def _layout(self, method: str, samples: int, rate: float) -> tuple[Nodes, float]:
+        """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
+
+        A segment between switchings is so short that the fastest mode turns by 8 rad between 17 nodes, or
+        16 rad between 25, at most; polynomials through them are right to 1e-9 then.
+        """
+        if not self.library.manifest.levels and not self.library.manifest.signals:
+            block = min(256, samples)
+            return Uniform(block), block / rate
+        count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
+        return Chebyshev(count), turn / fastest(self.library, self.at, self.p)
+
+    def phases(self, z: Vector, signals: Vector) -> Phases:
+        """Return the mesh phases of a state under some load signals."""
+        s = np.concatenate([np.zeros(len(self.library.manifest.levels)), signals])
+        tau, rate, share = self.phase_kernel(self.frame.origin + self.frame.scale * z, s, self.p)
+        return Phases(tau.copy(), rate.copy(), share.copy())
+
+    def energy(self, z: Vector, cells: Cells, signals: Vector) -> float:
+        """Return kinetic and potential energy [J], weight included."""
+        s = np.concatenate([levels_of(cells), signals])
+        balance = self.energy_kernel(self.frame.origin + self.frame.scale * z, s, self.p)[0]
+        return float(balance[0] + balance[1] + balance[2])
+
+    def segment(self, left: float) -> tuple[float, Vector, Vector]:
+        """Integrate to the next switching instant or knot, ``left`` seconds at most; return duration, path, levels.
+
+        Where nothing switches or bends, the last block of samples is finished even beyond the end.
+        """
+        signals, slope = self.signals.at(self.time), self.signals.rate(self.time)
+        now, knot = self.phases(self.z, signals), self.signals.next_knot(self.time)
+        most = min(self.longest, knot - self.time, left if isinstance(self.nodes, Chebyshev) else self.longest)
+        gain = np.zeros_like(now.rate)
+        if self.speed is not None:
+            gain = (self.phases(self.z, signals + slope * most).rate - now.rate) / most
+            self._stand(now, gain, signals)
+        levels, duration = levels_of(self.cells), min(time_to_border(self.cells, now, gain), most)
+        if duration <= 0:
+            raise RuntimeError("two switching instants of one mesh fall together; check its contact ratio")
+        s = np.concatenate([levels, signals])
+        for _ in range(20):
+            arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
+            times = arc.duration * self.nodes.points
+            path = self._on_course(arc.z, times, signals, slope)
+            after = self.phases(path[-1], signals + slope * duration)
+            cells, part = crossed(self.cells, now, after)
+            if part == 1.0:
+                break
+            duration *= part  # the rates were not constant: go back to the segment's start with a shorter one
+        else:
+            raise RuntimeError("a switching instant could not be located in 20 trials")
+        self.reversed |= self.speed is None and bool((now.rate * after.rate < 0).any())
+        self.extremes.note(
+            self.frame.origin + self.frame.scale * path, s + np.outer(times, self._rates(slope)), self.time + times
+        )
+        self.time = knot if duration == knot - self.time else self.time + duration
+        self.work, self.z = self.work + float(arc.work[-1]), path[-1].copy()
+        self._switch(cells, signals + slope * duration)
+        return duration, path, levels
+
+    def _rates(self, slope: Vector) -> Vector:
+        """Return the rates of levels and signals."""
+        return np.concatenate([np.zeros(len(self.library.manifest.levels)), slope])
+
+    def _on_course(self, path: Vector, times: Vector, signals: Vector, slope: Vector) -> Vector:
+        """Put in the reference angle, which a speed over time makes known: no tolerance then moves a switching."""
+        if self.speed is not None:
+            angle, speed = self.angle, self.speed
+            turned = signals[speed] * times + slope[speed] * times**2 / 2
+            path[:, angle] = path[0, angle] + turned / self.frame.scale[angle]
+        return path
+
+    def _stand(self, now: Phases, gain: Vector, signals: Vector) -> None:
+        """At a standstill, note the cells, and leave those at whose border it stands in the direction ahead."""
+        if now.rate.any():
+            return
+        self.expected += self._passed(now)
+        self.last_turn = self._counted(now)
+        ahead = Phases(now.tau, gain, now.share)
+        cells, _ = crossed(self.cells, ahead, ahead)
+        self.expected += int(np.abs(cells - self.cells).sum())
+        self.last_turn = self.last_turn + cells - self.cells
+        self._switch(cells, signals)
+
+    def _counted(self, now: Phases) -> Cells:
+        """Return the cells by kinematics; a standstill on a border belongs to the cell that is being left."""
+        beside = np.minimum(
+            np.abs(now.tau - lower(self.cells, now.share)), np.abs(now.tau - upper(self.cells, now.share))
+        )
+        return np.where((now.rate == 0) & (beside <= at_border(now)), self.cells, cells_of(now))
+
+    def _passed(self, now: Phases) -> int:
+        """Return the switchings since the last standstill by kinematics."""
+        return int(np.abs(self._counted(now) - self.last_turn).sum())
+
+    def expected_events(self) -> int | None:
+        """Return the switchings that kinematics calls for; None if that cannot be told from a few phases."""
+        now = self.phases(self.z, self.signals.at(self.time))
+        return None if self.reversed else self.expected + self._passed(now)
+
+    def _switch(self, cells: Cells, signals: Vector) -> None:
+        """Go over to other cells, and book what the stiffness jumps put in."""
+        if (cells != self.cells).any():
+            before = self.energy(self.z, self.cells, signals)
+            self.jump_energy += self.energy(self.z, cells, signals) - before
+            self.stepper.counts.events += int(np.abs(cells - self.cells).sum())
+            self.cells = cells
