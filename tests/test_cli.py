@@ -383,7 +383,7 @@ def nothing_computed(monkeypatch):
     def computed(*arguments, **keys):
         pytest.fail("computed before the target was refused")
 
-    monkeypatch.setattr(cli, "open_scene", computed)
+    monkeypatch.setattr(cli.running, "open_scene", computed)
 
 
 @pytest.mark.usefixtures("nothing_computed")
@@ -427,8 +427,8 @@ def test_a_scene_without_equilibrium_is_exit_code_3(refused):
 
 def test_a_run_that_stops_is_exit_code_3(run, monkeypatch, tmp_path):
     summary = {"status": "erk stopped at t = 0.1 s"}
-    monkeypatch.setattr(cli, "run", lambda *arguments, **keys: summary)
-    monkeypatch.setattr(cli.present, "simulated", lambda data: None)
+    monkeypatch.setattr(cli.running, "run", lambda *arguments, **keys: summary)
+    monkeypatch.setattr(present, "simulated", lambda data: None)
     for command in (("simulate", "lsp"), ("paper", "-o", tmp_path)):
         code, _, err = run(*command)
         assert (code, err) == (3, "ltcgear: erk stopped at t = 0.1 s\n")

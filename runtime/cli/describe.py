@@ -1,0 +1,110 @@
+"""Commands that tell about scenes and models: scenes, effects, info, check, generate, modes."""
+
+from dataclasses import asdict
+
+import typer
+from ltcgear.generated import store
+from ltcgear.generated.errors import LtcgearError
+
+from .. import present
+from ..options import AsJson, CFolder, Changes, Fresh, MaybeScene, Printed, SceneName, Sources
+from .app import app
+from .opening import compile_model, open_scene, split_changes
+
+
+@app.command()
+def scenes(as_json: AsJson = False) -> None:
+    """List the shipped scenes."""
+    from ltcgear.symbolic.scene import load_scene, shipped_scenes
+
+    listed = [{"name": name, "title": load_scene(name).title} for name in shipped_scenes()]
+    present.show(as_json, {"scenes": listed}, present.scenes)
+
+
+@app.command()
+def effects(as_json: AsJson = False) -> None:
+    """List the effects a scene can call for."""
+    from ltcgear.symbolic.effect_page import list_effects
+
+    present.show(as_json, {"effects": list_effects()}, present.effects)
+
+
+@app.command()
+def info(scene: SceneName, sources: Sources = False, changes: Changes = None, as_json: AsJson = False) -> None:
+    """Describe a scene: freedoms, geometry, motion, forces, loads."""
+    from ltcgear.symbolic.overview import survey
+
+    opened = open_scene(scene, changes)
+    data = survey(opened.scene, opened.model, opened.artifact.manifest)
+    if sources:
+        data["sources"] = dict(opened.scene.sources)
+    present.show(as_json, data, present.info)
+
+
+@app.command()
+def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = None, as_json: AsJson = False) -> None:
+    """Check a scene's equations, or those the paper prints. Exit code 1 if a check fails."""
+    if paper and scene is not None:
+        raise LtcgearError(f"check: both {scene} and --paper were given; give one of them")
+    if not paper and scene is None:
+        raise LtcgearError("check: give a SCENE, or --paper")
+    if paper:
+        from ltcgear.symbolic.checks.paper import check_paper
+
+        present.show(as_json, {"equations": [asdict(verdict) for verdict in check_paper()]}, present.paper_verdicts)
+        return
+    from ltcgear.symbolic.build import build_model
+    from ltcgear.symbolic.checks.run import check_model
+    from ltcgear.symbolic.scene import load_scene
+
+    results = check_model(build_model(load_scene(scene or "", split_changes(changes))))
+    listed = [asdict(result) for result in results]
+    passed = all(item["passed"] for item in listed)
+    present.show(as_json, {"passed": passed, "checks": listed}, present.checks)
+    if not passed:
+        raise typer.Exit(1)
+
+
+@app.command()
+def generate(
+    scene: SceneName, output: CFolder = None, fresh: Fresh = False, changes: Changes = None, as_json: AsJson = False
+) -> None:
+    """Derive, check, emit and compile a scene's C. It is kept in the store; -o makes a copy."""
+    opened = open_scene(scene, changes, fresh)
+    library = compile_model(opened)
+    files = store.files(opened.artifact)
+    del files["graphs.casadi"]
+    folder = output or store.model_folder(opened.key)
+    if output is not None:
+        store.write_folder(output, files)
+    ops = {name: signature.operations for name, signature in opened.artifact.manifest.functions.items()}
+    data = {
+        "files": [str(folder / name) for name in files],
+        "library": str(library.path) if library.path else None,
+        "ops": ops,
+        "seconds": dict.fromkeys(("derive", "check", "emit"), 0.0) | opened.seconds,
+        "key": opened.key,
+    }
+    present.show(as_json, data, present.generated)
+
+
+@app.command()
+def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) -> None:
+    """List eigenfrequencies and damping at the loaded equilibrium."""
+    from ..equilibrium import find_equilibrium
+    from ..modes import find_modes
+
+    opened = open_scene(scene, changes)
+    library = compile_model(opened)
+    p = library.parameters(opened.model.values())
+    found = find_modes(library, find_equilibrium(library, p, tables=opened.model.tables), p)
+    listed = [
+        {
+            "frequency_hz": m.frequency_hz,
+            "damping_ratio": m.damping_ratio,
+            "class": m.kind,
+            "energy": m.energy,
+        }
+        for m in found
+    ]
+    present.show(as_json, {"scene": opened.scene.name, "modes": listed}, present.modes)

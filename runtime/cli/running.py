@@ -1,0 +1,160 @@
+"""Commands that simulate: simulate, cost, paper."""
+
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ltcgear.generated.errors import LtcgearError, SolverError
+
+from .. import present
+from ..options import (
+    SHORTEST_PAPER,
+    AsJson,
+    Changes,
+    CostEnd,
+    EndTime,
+    FigureFile,
+    Method,
+    Oversample,
+    PaperEnd,
+    ResultFile,
+    ResultFolder,
+    SceneName,
+    Tolerance,
+)
+from ..progress import progress
+from .app import InterruptedRunError, app
+from .opening import compile_model, open_scene, open_variants, split_changes
+
+
+@app.command()
+def simulate(
+    scene: SceneName,
+    output: ResultFile = None,
+    t_end: EndTime = None,
+    method: Method = "erk",
+    rtol: Tolerance = 1e-6,
+    oversample: Oversample = 1,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4."""
+    summary = run(scene, changes, output, t_end, method, rtol, oversample)
+    present.show(as_json, summary, present.simulated)
+    _finished(summary)
+
+
+def _finished(summary: dict[str, Any]) -> None:
+    """Stop with the reason, where a simulation did not reach its end."""
+    status = summary["status"]
+    if status != "done":
+        raise (InterruptedRunError if status.startswith("interrupted") else SolverError)(status)
+
+
+def _check_result(output: Path) -> None:
+    """Refuse a result file that cannot be written or is not named .nc, before anything is computed."""
+    from ..results import check_target
+
+    check_target(output)
+    if output.suffix != ".nc":
+        raise LtcgearError(f"{output}: results are NetCDF4 files; name it {output.with_suffix('.nc')}")
+
+
+def run(
+    scene: str,
+    changes: list[str] | None,
+    output: Path | None,
+    t_end: float | None,
+    method: str,
+    rtol: float,
+    oversample: int,
+) -> dict[str, Any]:
+    """Simulate a scene and write its result; return the summary."""
+    from ..results import save
+    from ..simulation import check_options
+    from ..simulation import simulate as simulate_model
+
+    check_options(method, rtol, t_end)
+    if output is not None:
+        _check_result(output)
+    opened = open_scene(scene, changes)
+    library = compile_model(opened)
+    end = t_end if t_end is not None else opened.scene.simulation.t_end
+    about = {"scene": opened.scene.name, "title": opened.scene.title}
+    with progress(f"simulate {opened.scene.name}", end) as told:
+        result = simulate_model(
+            library,
+            opened.model.values(),
+            t_end=end,
+            rate=opened.scene.simulation.rate,
+            method=method,
+            rtol=rtol,
+            oversample=oversample,
+            attributes=about | {"scene_json": opened.scene.model_dump_json()},
+            told=told,
+            tables=opened.model.tables,
+        )
+    seconds = opened.seconds | result.summary["seconds"]
+    if output is not None:
+        clock = perf_counter()
+        save(result.dataset, output)
+        seconds["write"] = perf_counter() - clock
+    return {"scene": opened.scene.name, **result.summary, "seconds": seconds}
+
+
+@app.command()
+def cost(
+    scene: SceneName,
+    output: FigureFile = None,
+    t_end: CostEnd = 0.25,
+    rtol: Tolerance = 1e-6,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
+    from ..cost import ROUNDS, measure_costs
+    from ..cost_figure import check_figure, draw_costs
+    from ..simulation import DEFAULT_METHOD, check_options
+
+    check_options(DEFAULT_METHOD, rtol, t_end)
+    if output is not None:
+        check_figure(output)
+    opened = open_scene(scene, changes)
+    variants = open_variants(scene, split_changes(changes), opened)
+    rate = opened.scene.simulation.rate
+    with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
+        rows = measure_costs(variants, t_end=t_end, rate=rate, rtol=rtol, told=told)
+    data = {"scene": opened.scene.name, "t_end": t_end, "rtol": rtol, "variants": rows}
+    present.show(as_json, data, present.costs)
+    if output is not None:
+        draw_costs(data, output)
+
+
+@app.command()
+def paper(
+    output: ResultFolder = Path("out"),
+    t_end: PaperEnd = 4.0,
+    method: Method = "erk",
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate the paper's test rig. Sets its tables and figures beside the printed ones."""
+    from ..comparison import compare
+    from ..plots import overview_figure, paper_figures
+    from ..results import load, make_folder
+
+    if not t_end >= SHORTEST_PAPER:
+        raise LtcgearError(f"--t-end {t_end:g}: the paper's tables need {SHORTEST_PAPER} s at least")
+    make_folder(output)
+    file = output / "rig-2mw.nc"
+    summary = run("rig-2mw", changes, file, t_end, method, 1e-6, oversample=8)
+    _finished(summary)
+    dataset = load(file)
+    tables = compare(dataset)
+    figures = [*paper_figures(dataset, output), overview_figure(dataset, output / "overview.png")]
+    data = {
+        **summary,
+        "tables": {name: table.to_json() for name, table in tables.items()},
+        "files": [str(file), *(str(figure) for figure in figures)],
+    }
+    present.show(as_json, data, lambda shown: present.paper_run(shown, tables))
