@@ -19,7 +19,7 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
-FORMAT = 2
+FORMAT = 3
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
 FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "energy")
@@ -57,6 +57,33 @@ class Signal:
 
 
 @dataclass(frozen=True)
+class Clock:
+    """What follows the reference angle phi without end: start + advance phi / 2 pi, a mesh phase or an angle.
+
+    In one turn of the reference it advances by ``teeth (ratio - frame)`` cycles, or turns of an angle. Whole turns
+    of the reference may be taken off phi if ``start`` takes them up, whole periods left out.
+
+    Attributes
+    ----------
+    start
+        Parameter [cycles], or [rad] for an angle.
+    teeth, ratio, frame
+        Parameters; ``""`` stands for 1, 0 and 0.
+    periods
+        Parameters whose values are periods [cycles] of something that follows the clock; it has the period 1 too.
+    mesh
+        The mesh whose phase it is, ``""`` for an angle.
+    """
+
+    start: str
+    teeth: str
+    ratio: str
+    frame: str
+    periods: tuple[str, ...] = ()
+    mesh: str = ""
+
+
+@dataclass(frozen=True)
 class Signature:
     """Shapes of a function's arguments and results, non-zeros of the first result, operations."""
 
@@ -84,6 +111,8 @@ class Manifest:
         Version that emitted the C.
     signals
         Load signals, which follow the levels in s.
+    clocks
+        What follows the reference angle without end.
     """
 
     key: str
@@ -95,6 +124,7 @@ class Manifest:
     functions: dict[str, Signature]
     casadi: str
     signals: tuple[Signal, ...] = ()
+    clocks: tuple[Clock, ...] = ()
     format: int = FORMAT
 
     def to_json(self) -> str:
@@ -131,6 +161,7 @@ class Manifest:
             raw["key"], raw["reference"], tuple(State(**item) for item in raw["states"]), tuple(raw["levels"]),
             tuple((name, unit) for name, unit in raw["parameters"]), tuple(Report(**item) for item in raw["reports"]),
             functions, raw["casadi"], tuple(Signal(**item) for item in raw["signals"]),
+            tuple(Clock(**item | {"periods": tuple(item["periods"])}) for item in raw["clocks"]),
         )  # fmt: skip
 
 

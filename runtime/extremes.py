@@ -33,6 +33,10 @@ class MeshExtremes:
         self.steady = np.full((2, len(rows)), np.nan)
         outputs = library.functions["outputs"]
         self.kernel = Kernel(outputs.map("outputs_at_nodes", "serial", nodes, [2], [])) if rows else None
+        self.renumber(p)
+
+    def renumber(self, p: Vector) -> None:
+        """Go on with other parameters, shape (n_p,)."""
         if self.kernel:
             self.kernel.arguments[2][:] = p
 

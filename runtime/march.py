@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from .clocks import TURN, Clocks
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
 from .kernel import Kernel
@@ -23,8 +24,16 @@ class March:
         self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
         signals: Signals,
     ) -> None:  # fmt: skip
-        self.library, self.p, self.at, self.signals = library, p, at, signals
-        self.frame = Frame(at.x, vibration_scale(library, at, p))
+        self.library, self.at, self.signals = library, at, signals
+        names, kinds = [state.name for state in library.manifest.states], library.manifest.signals
+        self.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), None)
+        self.angle = names.index("reference.angle") if "reference.angle" in names else -1
+        self.held = held_speed(library, p)
+        self.frame = Frame(at.x.copy(), vibration_scale(library, at, p))
+        self.clocks = Clocks(library.manifest, p)
+        self.turns = 0 if self.angle < 0 else self.clocks.turns_in(float(at.x[self.angle]))
+        self.frame.origin[self.angle] -= TURN * self.turns
+        self.p = p = self.clocks.parameters(self.turns)
         self.nodes, self.longest = self._layout(method, samples, rate)
         self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:])
         self.phase_kernel, self.energy_kernel = (
@@ -33,9 +42,6 @@ class March:
         )
         self.z = np.zeros(len(at.x))
         self.work = self.jump_energy = self.time = 0.0
-        names, kinds = [state.name for state in library.manifest.states], library.manifest.signals
-        self.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), None)
-        self.angle = names.index("reference.angle") if "reference.angle" in names else -1
         start = signals.at(0.0)
         self.cells: Cells = cells_of(self.phases(self.z, start))
         self.last_turn, self.expected, self.reversed = self.cells, 0, False
@@ -71,6 +77,7 @@ class March:
 
         Where nothing switches or bends, the last block of samples is finished even beyond the end.
         """
+        self._rebase()
         signals, slope = self.signals.at(self.time), self.signals.rate(self.time)
         now, knot = self.phases(self.z, signals), self.signals.next_knot(self.time)
         most = min(self.longest, knot - self.time, left if isinstance(self.nodes, Chebyshev) else self.longest)
@@ -102,15 +109,29 @@ class March:
         self._switch(cells, signals + slope * duration)
         return duration, path, levels
 
+    def _rebase(self) -> None:
+        """Take whole turns off the reference angle, and whole periods off all that follows it."""
+        angle, scale = self.angle, self.frame.scale
+        more = 0 if angle < 0 else self.clocks.turns_in(float(self.frame.origin[angle] + scale[angle] * self.z[angle]))
+        if not more:
+            return
+        meshes, turns = self.library.manifest.levels, self.turns + more
+        gone = 2 * (self.clocks.cycles(meshes, turns) - self.clocks.cycles(meshes, self.turns))
+        self.cells, self.last_turn, self.turns = self.cells - gone, self.last_turn - gone, turns
+        self.z[angle] -= TURN * more / scale[angle]
+        self.p = self.clocks.parameters(turns)
+        self.stepper.renumber(self.p)
+        self.extremes.renumber(self.p)
+
     def _rates(self, slope: Vector) -> Vector:
         """Return the rates of levels and signals."""
         return np.concatenate([np.zeros(len(self.library.manifest.levels)), slope])
 
     def _on_course(self, path: Vector, times: Vector, signals: Vector, slope: Vector) -> Vector:
-        """Put in the reference angle, which a speed over time makes known: no tolerance then moves a switching."""
-        if self.speed is not None:
-            angle, speed = self.angle, self.speed
-            turned = signals[speed] * times + slope[speed] * times**2 / 2
+        """Put in the reference angle, which a held speed makes known: no tolerance then moves a switching."""
+        speed, angle = self.speed, self.angle
+        if speed is not None or self.held is not None:
+            turned = signals[speed] * times + slope[speed] * times**2 / 2 if self.held is None else self.held * times
             path[:, angle] = path[0, angle] + turned / self.frame.scale[angle]
         return path
 
@@ -149,3 +170,10 @@ class March:
             self.jump_energy += self.energy(self.z, cells, signals) - before
             self.stepper.counts.events += int(np.abs(cells - self.cells).sum())
             self.cells = cells
+
+
+def held_speed(library: Library, p: Vector) -> float | None:
+    """Return the reference speed [rad/s] where it is one number that is held."""
+    names = [name for name, _ in library.manifest.parameters]
+    held = library.manifest.reference == "speed" and "reference.speed" in names
+    return float(p[names.index("reference.speed")]) if held else None
