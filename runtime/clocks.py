@@ -69,8 +69,8 @@ class Clocks:
         self.angle = names.index("reference.angle") if "reference.angle" in names else None
 
     def turns_in(self, phi: float) -> int:
-        """Return the whole turns in a reference angle [rad], towards zero."""
-        return int(phi / TURN)
+        """Return the whole turns in a reference angle [rad], towards zero; one that lacks a rounding is whole."""
+        return int(phi / TURN * (1 + 4 * np.finfo(float).eps))
 
     def parameters(self, turns: int) -> Vector:
         """Return the parameters for reference angles from which some turns have been taken off."""

@@ -1,5 +1,7 @@
 """March: an integration under way, segment by segment of smooth motion between switching instants."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,8 @@ from .stepper import MULTISTEP, Frame, make_stepper
 from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
 
 Vector = NDArray[np.float64]
+MOST_TURNS = 16
+"""Turns of the reference in a block of samples, at whose end whole turns are taken off its angle."""
 
 
 class March:
@@ -24,16 +28,16 @@ class March:
         self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
         signals: Signals,
     ) -> None:  # fmt: skip
-        self.library, self.at, self.signals = library, at, signals
+        self.library, self.signals = library, signals
         names, kinds = [state.name for state in library.manifest.states], library.manifest.signals
         self.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), None)
         self.angle = names.index("reference.angle") if "reference.angle" in names else -1
-        self.held = held_speed(library, p)
-        self.frame = Frame(at.x.copy(), vibration_scale(library, at, p))
-        self.clocks = Clocks(library.manifest, p)
+        self.held, self.clocks = held_speed(library, p), Clocks(library.manifest, p)
         self.turns = 0 if self.angle < 0 else self.clocks.turns_in(float(at.x[self.angle]))
-        self.frame.origin[self.angle] -= TURN * self.turns
+        self.at = at = replace(at, x=at.x.copy())
+        at.x[self.angle] -= TURN * self.turns
         self.p = p = self.clocks.parameters(self.turns)
+        self.frame = Frame(at.x, vibration_scale(library, at, p))
         self.nodes, self.longest = self._layout(method, samples, rate)
         self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:])
         self.phase_kernel, self.energy_kernel = (
@@ -55,10 +59,17 @@ class March:
         16 rad between 25, at most; polynomials through them are right to 1e-9 then.
         """
         if not self.library.manifest.levels and not self.library.manifest.signals:
-            block = min(256, samples)
+            turning = self._speed() / (MOST_TURNS * TURN)
+            block = max(1, min(256, samples, int(rate / turning) if turning else samples))
             return Uniform(block), block / rate
         count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
         return Chebyshev(count), turn / fastest(self.library, self.at, self.p)
+
+    def _speed(self) -> float:
+        """Return the size of the reference speed at the start [rad/s]."""
+        names = [state.name for state in self.library.manifest.states]
+        free = float(self.at.x[names.index("reference.speed")]) if "reference.speed" in names else 0.0
+        return abs(free if self.held is None else self.held)
 
     def phases(self, z: Vector, signals: Vector) -> Phases:
         """Return the mesh phases of a state under some load signals."""
