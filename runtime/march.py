@@ -45,7 +45,7 @@ class March:
             Kernel(library.functions["energy"]),
         )
         self.z = np.zeros(len(at.x))
-        self.work = self.jump_energy = self.time = 0.0
+        self.work = self.jump_energy = self.time = self.unpassed = 0.0
         start = signals.at(0.0)
         self.cells: Cells = cells_of(self.phases(self.z, start))
         self.last_turn, self.expected, self.reversed = self.cells, 0, False
@@ -115,10 +115,17 @@ class March:
         self.extremes.note(
             self.frame.origin + self.frame.scale * path, s + np.outer(times, self._rates(slope)), self.time + times
         )
-        self.time = knot if duration == knot - self.time else self.time + duration
+        self._pass(duration, knot)
         self.work, self.z = self.work + float(arc.work[-1]), path[-1].copy()
         self._switch(cells, signals + slope * duration)
         return duration, path, levels
+
+    def _pass(self, duration: float, knot: float) -> None:
+        """Let time pass; what a late time rounds off is kept for the next (Kahan's sum), a knot is met exactly."""
+        before, due = self.time, duration + self.unpassed
+        met = duration == knot - before
+        self.time = knot if met else before + due
+        self.unpassed = 0.0 if met else due - (self.time - before)
 
     def _rebase(self) -> None:
         """Take whole turns off the reference angle, and whole periods off all that follows it."""

@@ -12,10 +12,14 @@ from ltcgear.symbolic.equations import derive
 from ltcgear.symbolic.scene import make_scene
 
 from .models import case, raw_scene
-from .variants import VARIANTS
+from .variants import GRAVITY, TORSIONAL, VARIANTS
 
 TURNS = 3
 TOLERANCE = 1e-9
+UNEVEN = (
+    'effects.planet_position_error = "on"',
+    'stages.hsp.position_errors = [{planet = 2, radial = "60 um"}]',
+)
 MIXED = (
     "all at once",
     "eccentricity, smooth with torque",
@@ -115,3 +119,14 @@ def test_what_does_not_turn_has_no_clock():
     assert case("lin-parker-3").library.manifest.clocks == ()
     names = [name for name, _ in case("lsp").library.manifest.parameters]
     assert not [name for name in names if name.endswith("start_angle")]
+
+
+def test_only_a_frame_whose_angle_is_seen_has_a_start():
+    def starts(*settings):
+        names = build_model(make_scene(raw_scene("hsp", *settings))).values()
+        return [name for name in names if name.endswith("start_angle")]
+
+    assert starts() == ["hsp.frame.start_angle"]
+    assert starts(TORSIONAL) == []
+    assert starts(TORSIONAL, GRAVITY) == []
+    assert starts(TORSIONAL, GRAVITY, *UNEVEN) == ["hsp.frame.start_angle"]

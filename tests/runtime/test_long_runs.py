@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from ltcgear.runtime.clocks import TURN, Clocks
 from ltcgear.runtime.equilibrium import Equilibrium
+from ltcgear.runtime.march import March
 from ltcgear.runtime.results import make_dataset, outputs_of
 from ltcgear.runtime.statistics import mesh_frequencies
 
@@ -104,3 +105,13 @@ def test_a_held_speed_sets_the_angle_whatever_the_tolerance():
     path = c.run(method="cvodes", rtol=1e-3, t_end=0.5)
     speed = 300 / 60 * TURN
     assert np.abs(path.phi + TURN * path.turns - speed * path.time).max() < 1e-12 * speed
+
+
+def test_late_times_add_up():
+    march = March.__new__(March)
+    march.time, march.unpassed = 1e6, 0.0
+    for _ in range(10_000):
+        march._pass(1.1e-5, np.inf)
+    assert march.time + march.unpassed - 1e6 == pytest.approx(0.11, abs=2e-10)
+    march._pass(2e6 - march.time, 2e6)
+    assert (march.time, march.unpassed) == (2e6, 0.0)
