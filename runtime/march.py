@@ -59,13 +59,13 @@ class March:
         16 rad between 25, at most; polynomials through them are right to 1e-9 then.
         """
         if not self.library.manifest.levels and not self.library.manifest.signals:
-            turning = self._speed() / (MOST_TURNS * TURN)
+            turning = self._reference_speed() / (MOST_TURNS * TURN)
             block = max(1, min(256, samples, int(rate / turning) if turning else samples))
             return Uniform(block), block / rate
         count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
         return Chebyshev(count), turn / fastest(self.library, self.at, self.p)
 
-    def _speed(self) -> float:
+    def _reference_speed(self) -> float:
         """Return the size of the reference speed at the start [rad/s]."""
         names = [state.name for state in self.library.manifest.states]
         free = float(self.at.x[names.index("reference.speed")]) if "reference.speed" in names else 0.0
