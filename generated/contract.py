@@ -64,6 +64,33 @@ class Signal:
 
 
 @dataclass(frozen=True)
+class Clock:
+    """What follows the reference angle phi without end: start + advance phi / 2 pi, a mesh phase or an angle.
+
+    In one turn of the reference it advances by ``teeth (ratio - frame)`` cycles, or turns of an angle. Whole turns
+    of the reference may be taken off phi if ``start`` takes them up, whole periods left out.
+
+    Attributes
+    ----------
+    start
+        Parameter [cycles], or [rad] for an angle.
+    teeth, ratio, frame
+        Parameters; ``""`` stands for 1, 0 and 0.
+    periods
+        Parameters whose values are periods [cycles] of something that follows the clock; it has the period 1 too.
+    mesh
+        The mesh whose phase it is, ``""`` for an angle.
+    """
+
+    start: str
+    teeth: str
+    ratio: str
+    frame: str
+    periods: tuple[str, ...] = ()
+    mesh: str = ""
+
+
+@dataclass(frozen=True)
 class Signature:
     """Shapes of a function's arguments and results, non-zeros of the first result, operations."""
 
@@ -93,6 +120,8 @@ class Manifest:
         Load signals, which follow the levels in s.
     holds
         Parameters that hold a regime, in the order of g.
+    clocks
+        What follows the reference angle without end.
     """
 
     key: str
@@ -105,6 +134,7 @@ class Manifest:
     casadi: str
     signals: tuple[Signal, ...] = ()
     holds: tuple[str, ...] = ()
+    clocks: tuple[Clock, ...] = ()
     format: int = FORMAT
 
     def to_json(self) -> str:
@@ -142,6 +172,7 @@ class Manifest:
             tuple((name, unit) for name, unit in raw["parameters"]), tuple(Report(**item) for item in raw["reports"]),
             functions, raw["casadi"], tuple(Signal(**item) for item in raw["signals"]),
             tuple(raw["holds"]),
+            tuple(Clock(**item | {"periods": tuple(item["periods"])}) for item in raw["clocks"]),
         )  # fmt: skip
 
 

@@ -75,14 +75,14 @@ class Stepper(Protocol):
 
     counts: Counts
 
-    def take(self, p: Vector) -> None:
-        """Go on with other parameters."""
-
     def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
         """Return the motion from z on.
 
         ``s`` are levels and load signals at the segment's start, ``slope`` the signals' rates.
         """
+
+    def renumber(self, p: Vector) -> None:
+        """Go on with other parameters, shape (n_p,)."""
 
 
 def make_stepper(library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector) -> Stepper:
@@ -149,15 +149,15 @@ class _Base:
         self.end = self.kernel.results[self.function.index_out("xf")]
         self.work = self.kernel.results[self.function.index_out("qf")]
 
-    def take(self, p: Vector) -> None:
-        """Go on with other parameters."""
-        self.part["p"][:] = p
-
     def _make(self) -> ca.Function:
         raise LtcgearError("a stepper makes its own function")
 
     def _count(self, duration: float) -> None:
         raise LtcgearError("a stepper keeps its own counts")
+
+    def renumber(self, p: Vector) -> None:
+        """Go on with other parameters."""
+        self.part["p"][:] = p
 
     def _evaluate(self) -> None:
         """Evaluate the integrator on the buffers; RuntimeError where it fails."""

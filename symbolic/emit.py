@@ -62,7 +62,7 @@ def emit(model: Model, equations: Equations) -> Artifact:
     manifest = Manifest(
         digest([c, graphs]), model.reference, equations.states, equations.levels, equations.parameters,
         equations.reports, {name: _signature(function) for name, function in made.items()}, ca.CasadiMeta.version(),
-        model.signals, equations.holds,
+        model.signals, equations.holds, model.clocks,
     )  # fmt: skip
     return Artifact(c, manifest, graphs)
 

@@ -8,7 +8,7 @@ here needs SymPy, so a model whose C is already in the store is ready without de
 import json
 from dataclasses import asdict, dataclass, field
 
-from ltcgear.generated.contract import Signal
+from ltcgear.generated.contract import Clock, Signal
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
@@ -155,6 +155,7 @@ class Model:
     statics: dict[str, float]
     signals: tuple[Signal, ...] = ()
     tables: dict[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
+    clocks: tuple[Clock, ...] = ()
 
     def structure(self) -> str:
         """Return all that shapes the C, as canonical JSON: no title, no number."""

@@ -32,6 +32,8 @@ def add_body(
     leader = draft.leaders.get(name)
     turning = "led" if leader else turning_of(draft.scene, draft.rigid, name, member)
     runs = turning != "held" and draft.rigid.mode != "rest" and draft.rigid.ratios[kin] != 0.0
+    if lateral:
+        draft.turn(f"{frame}.frame", draft.frames[frame])
     mass = train.inertia_of(member)[0] + seated(draft.scene, name)[0]
     inertia = joined_inertia(draft, kin, member)
     draft.bodies.append(
@@ -168,4 +170,5 @@ def _weigh(draft: Draft, body: Body, mass: str) -> None:
     centre = mass_centre(draft, body, draft.parameters[mass].value)
     if centre is not body:
         draft.bodies.append(centre)
+    draft.turn(f"{body.frame}.frame", draft.frames[body.frame])
     draft.place(body.name, ("gravity",), (centre.name,), m=mass, beta=BASIS, **bind)

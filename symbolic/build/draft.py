@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from ltcgear.generated.contract import Signal
+from ltcgear.generated.contract import Clock, Signal
 
 from .. import train
 from ..mesh_schema import Mesh
@@ -57,6 +57,7 @@ class Draft:
     leaders: dict[str, str] = field(default_factory=dict)
     signals: dict[str, Signal] = field(default_factory=dict)
     tables: dict[str, Pairs] = field(default_factory=dict)
+    clocks: list[Clock] = field(default_factory=list)
 
     def number(self, name: str, value: float, unit: str) -> str:
         """Note a parameter and return its name."""
@@ -72,6 +73,13 @@ class Draft:
         self.signals[name] = Signal(name, unit, table, slope)
         self.tables[table] = pairs
         return name
+
+    def turn(self, name: str, ratio: str | None, frame: str | None = None) -> None:
+        """Note the angle from which something turns for ever, where it does: once for all that turn alike."""
+        known = {(clock.ratio, clock.frame) for clock in self.clocks if not clock.mesh}
+        if ratio != frame and (ratio or "", frame or "") not in known:
+            start = self.number(f"{name}.start_angle", 0.0, "rad")
+            self.clocks.append(Clock(start, "", ratio or "", frame or ""))
 
     def place(self, name: str, element: tuple[str | bool, ...], bodies: tuple[str, ...], **bind: str) -> None:
         """Note an element instance."""
