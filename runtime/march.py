@@ -1,5 +1,9 @@
 """March: an integration under way, segment by segment of smooth motion between switching instants."""
 
+from dataclasses import asdict
+from math import ceil
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +18,13 @@ from .stepper import MULTISTEP, Frame, make_stepper
 from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
 
 Vector = NDArray[np.float64]
+Snapshot = dict[str, NDArray[np.generic]]
+KEPT = (
+    "p", "z", "time", "work", "jump_energy", "first_energy", "longest", "cells", "last_turn", "expected", "reversed",
+)  # fmt: skip
+"""All that a march remembers from segment to segment, besides counts, extremes and the stepper's last step."""
+WIDEST = 1000.0
+"""Angle [rad] by which the fastest mode turns at most between two nodes where nothing switches or bends."""
 
 
 class March:
@@ -46,13 +57,34 @@ class March:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
         A segment between switchings is so short that the fastest mode turns by 8 rad between 17 nodes, or
-        16 rad between 25, at most; polynomials through them are right to 1e-9 then.
+        16 rad between 25, at most; polynomials through them are right to 1e-9 then. Blocks are equally long, and
+        where samples lie far apart nodes lie between them, so that no engine runs out of steps between two.
         """
+        quickest = fastest(self.library, self.at, self.p)
         if not self.library.manifest.levels and not self.library.manifest.signals:
-            block = min(256, samples)
-            return Uniform(block), block / rate
+            finer = max(ceil(quickest / rate / WIDEST), 1)
+            blocks = ceil(samples * finer / 256)
+            block = ceil(samples * finer / blocks)
+            return Uniform(block), block / finer / rate
         count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
-        return Chebyshev(count), turn / fastest(self.library, self.at, self.p)
+        return Chebyshev(count), turn / quickest
+
+    def snapshot(self) -> Snapshot:
+        """Return all that the march needs to go on as if it had not stopped."""
+        kept = {name: np.array(getattr(self, name)) for name in KEPT}
+        kept |= {f"counts.{name}": np.array(value) for name, value in asdict(self.stepper.counts).items()}
+        kept |= {f"extremes.{name}": getattr(self.extremes, name).copy() for name in ("lowest", "steady")}
+        return kept | {"stepper.last": np.array(self.stepper.last)}
+
+    def restore(self, kept: Snapshot) -> None:
+        """Go on from a snapshot."""
+        for name in KEPT:
+            setattr(self, name, _plain(kept[name]))
+        for name in asdict(self.stepper.counts):
+            setattr(self.stepper.counts, name, int(kept[f"counts.{name}"]))
+        for name in ("lowest", "steady"):
+            setattr(self.extremes, name, _plain(kept[f"extremes.{name}"]))
+        self.stepper.last = float(kept["stepper.last"])
 
     def phases(self, z: Vector, signals: Vector) -> Phases:
         """Return the mesh phases of a state under some load signals."""
@@ -149,3 +181,8 @@ class March:
             self.jump_energy += self.energy(self.z, cells, signals) - before
             self.stepper.counts.events += int(np.abs(cells - self.cells).sum())
             self.cells = cells
+
+
+def _plain(value: NDArray[np.generic]) -> Any:  # noqa: ANN401
+    """Return an array as it was before it was kept: a number, or an array of its own."""
+    return value.copy() if value.ndim else value.item()

@@ -1,4 +1,7 @@
-"""Uniform samples of a march, read off its segments."""
+"""Uniform samples of a march, read off its segments and handed on block by block."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,25 +11,89 @@ from .switching import levels_of
 
 Vector = NDArray[np.float64]
 
+BLOCK = 2048
+"""Samples from which on a block is handed on."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """Samples that follow each other: times [s], states, levels, load signals, and the parameters they hold for."""
+
+    time: Vector
+    x: Vector
+    levels: Vector
+    signals: Vector
+    p: Vector
+
+    @property
+    def s(self) -> Vector:
+        """Return levels and signals, the functions' second argument, shape (m, l + k)."""
+        return np.hstack([self.levels, self.signals])
+
+
+def join(blocks: list[Block]) -> Block:
+    """Join blocks; parameters are those of the last."""
+    parts = {name: np.concatenate([vars(b)[name] for b in blocks]) for name in ("time", "x", "levels", "signals")}
+    return Block(**parts, p=blocks[-1].p)
+
 
 class Samples:
-    """The uniform samples of a march, filled segment by segment."""
+    """The uniform samples of a march, at k / rate for k = 0 .. last.
 
-    def __init__(self, march: March, time: Vector) -> None:
-        self.march, self.time, self.done = march, time, 1
-        self.x, self.levels = np.empty((len(time), len(march.z))), np.empty((len(time), len(march.cells)))
-        self.x[0], self.levels[0] = march.frame.origin, levels_of(march.cells)
+    All samples of a segment are read at once, so that none depends on where a block ends.
+
+    Parameters
+    ----------
+    march
+        The integration; its state is the first sample.
+    last
+        Number of the last sample.
+    rate
+        Samples a second [Hz].
+    push
+        Takes each block.
+    """
+
+    def __init__(self, march: March, last: int, rate: float, push: Callable[[Block], None]) -> None:
+        self.march, self.last, self.rate, self.push = march, last, rate, push
+        self.done = 1
+        self.waiting: list[tuple[Vector, Vector, Vector]] = [
+            (np.zeros(1), march.frame.origin[None, :].copy(), levels_of(march.cells)[None, :])
+        ]
+        self.held = 1
+
+    @property
+    def end(self) -> float:
+        """Return the time of the last sample [s]."""
+        return self.last / self.rate
+
+    @property
+    def complete(self) -> bool:
+        """Say whether the last sample is taken."""
+        return self.done > self.last
 
     def take(self, start: float, duration: float, path: Vector, level: Vector) -> None:
         """Read the samples that lie in a segment, its end included."""
         end = start + duration * (1 + 1e-12)
-        last = self.done + int(np.searchsorted(self.time[self.done :], end, side="right"))
-        if self.done < last:
-            inside = self.march.nodes.matrix((self.time[self.done : last] - start) / duration)
-            self.x[self.done : last] = self.march.frame.origin + self.march.frame.scale * (inside @ path)
-            self.levels[self.done : last] = level
-        self.done = last
+        ahead = np.arange(self.done, min(self.last, int(end * self.rate) + 1) + 1) / self.rate
+        time = ahead[ahead <= end]
+        if not len(time):
+            return
+        inside = self.march.nodes.matrix((time - start) / duration)
+        x = self.march.frame.origin + self.march.frame.scale * (inside @ path)
+        self.waiting.append((time, x, np.tile(level, (len(time), 1))))
+        self.done, self.held = self.done + len(time), self.held + len(time)
+        if self.held >= BLOCK:
+            self.flush()
 
-    def taken(self) -> tuple[Vector, Vector, Vector]:
-        """Return times, states and levels so far."""
-        return self.time[: self.done], self.x[: self.done], self.levels[: self.done]
+    def flush(self) -> None:
+        """Hand on what waits."""
+        if not self.held:
+            return
+        time, x, levels = (np.concatenate(parts) for parts in zip(*self.waiting, strict=True))
+        self.waiting, self.held = [], 0
+        self.push(Block(time, x, levels, self.march.signals.over(time), self.march.p))
+
+    def goto(self, done: int) -> None:
+        """Go on after ``done`` samples that were handed on before."""
+        self.done, self.waiting, self.held = done, [], 0
