@@ -20,6 +20,7 @@ from .stepper import Counts
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
+Push = Callable[[Block], None]
 CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
 MARK_SECONDS = 2.0
 """Seconds between two marks of a run."""
@@ -97,8 +98,6 @@ class Integration:
         Samples a second [Hz].
     method, rtol
         See ``stepper``.
-    push
-        Takes the samples, block by block.
     tables
         The model's tables over time, by name.
 
@@ -110,7 +109,7 @@ class Integration:
 
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
-        push: Callable[[Block], None], tables: Mapping[str, Pairs] | None = None,
+        tables: Mapping[str, Pairs] | None = None,
     ) -> None:  # fmt: skip
         clock = perf_counter()
         last = round(t_end * rate)
@@ -120,23 +119,25 @@ class Integration:
             self.march = March(library, p, at, method, rtol, last, rate, self.signals)
         except RuntimeError as error:
             raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
-        self.push = push
+        self.push: Push = lambda block: None
         self.samples = Samples(self.march, last, rate, self._push)
         self.seconds = {"prepare": perf_counter() - clock, "integrate": 0.0, "outputs": 0.0}
         self.clock = perf_counter()
 
-    def proceed(self, told: Told = lambda t: None, mark: Callable[[], None] = lambda: None) -> Outcome:
+    def proceed(self, push: Push, told: Told = lambda t: None, mark: Callable[[], None] = lambda: None) -> Outcome:
         """Integrate to the end.
 
         Parameters
         ----------
+        push
+            Takes the samples, block by block.
         told
             Called with the simulated time now and then.
         mark
-            Called now and then, and when Ctrl-C stops the run, between two segments and with all samples
+            Called at the start, now and then, and when Ctrl-C stops the run, between two segments and with all samples
             handed on: a ``snapshot`` is whole then.
         """
-        self.clock = perf_counter()
+        self.push, self.clock = push, perf_counter()
         with Brake() as brake:
             status = self._proceed(told, mark, brake)
         self.samples.flush()
@@ -158,12 +159,14 @@ class Integration:
 
     def _proceed(self, told: Told, mark: Callable[[], None], brake: Brake) -> str:
         """Integrate segment by segment to the end; return ``done``, or why it stopped and what to try."""
-        shown, marked, march, samples = 0.0, perf_counter(), self.march, self.samples
+        shown, marked, march, samples = 0.0, -np.inf, self.march, self.samples
         while not samples.complete:
             start = march.time
-            if brake.pulled:
+            if brake.pulled or perf_counter() - marked > MARK_SECONDS:
                 samples.flush()
                 mark()
+                marked = perf_counter()
+            if brake.pulled:
                 return f"interrupted at t = {start:.6g} s; what was computed until then is kept"
             try:
                 duration, path, level = march.segment(samples.end - start)
@@ -175,10 +178,6 @@ class Integration:
             if now - shown > 0.1:
                 shown = now
                 told(march.time)
-            if now - marked > MARK_SECONDS:
-                samples.flush()
-                mark()
-                marked = perf_counter()
         return "done"
 
     def _push(self, block: Block) -> None:
@@ -227,6 +226,6 @@ def integrate(
     """
     kept: list[Block] = []
     options: dict[str, Any] = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "tables": tables}
-    outcome = Integration(library, p, at, push=kept.append, **options).proceed(told)
+    outcome = Integration(library, p, at, **options).proceed(kept.append, told)
     whole = join(kept)
     return Trajectory(**vars(outcome), time=whole.time, x=whole.x, levels=whole.levels, signals=whole.signals)
