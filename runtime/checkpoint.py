@@ -84,7 +84,7 @@ def read_checkpoint(target: Path, description: Mapping[str, Any]) -> Snapshot:
     if not path.is_file():
         raise LtcgearError(f"{path}: no such checkpoint, so there is nothing to go on from; {AGAIN}")
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             kept = dict(file)
         found = json.loads(str(kept.pop("description")))
     except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:

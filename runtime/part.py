@@ -1,17 +1,21 @@
 """Part: the samples of a run under way on disk, readable at every moment; sealed, they are the result.
 
-While a run goes on its rows are appended to ``NAME.part.nc``, a NetCDF file of the classic 64-bit form: its
-heading is written once, rows only follow, and how many there are is written after them. HDF5 would be
-broken where a run is killed while it writes. At the end rows are copied to compressed NetCDF4.
+While a run goes on its rows are appended to ``NAME.part.nc``, a NetCDF file of the classic form with 64-bit
+offsets: a heading that is written once, then one record a row, all variables after each other in big-endian
+numbers of 4 or 8 bytes, so without padding (NetCDF Classic Format Specification). How many records there are
+stands in bytes 4 to 8 and is written after them, so that a killed run leaves a whole file; HDF5 would be
+broken where it is killed while it writes. At the end rows are copied to compressed NetCDF4.
 """
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from numpy.typing import NDArray
 
 from .statistics import BLOCK, ForceSums
 
@@ -43,8 +47,8 @@ class Part:
         The result that the rows will be.
     heading
         The result without any row.
-    rows
-        Rows that the file holds already and that are to stay; None makes a new file.
+    kept
+        Rows that the file holds already and that are to stay, and where they begin [bytes]; None makes a new file.
 
     Raises
     ------
@@ -52,47 +56,64 @@ class Part:
         If the file cannot be written, or does not hold the rows.
     """
 
-    def __init__(self, target: Path, heading: "xr.Dataset", rows: int | None = None) -> None:
-        import netCDF4
-
-        self.target, self.path, self.heading, self.rows = target, part_of(target), heading, rows or 0
-        self.moving = [str(name) for name in heading.variables if "time" in heading[name].dims]
-        if rows is None:
+    def __init__(self, target: Path, heading: "xr.Dataset", kept: tuple[int, int] | None = None) -> None:
+        self.target, self.path = target, part_of(target)
+        if kept is None:
             with _writing(self.path):
-                plain = {name: {"_FillValue": None} for name in heading.variables}
-                form: Any = {"engine": "netcdf4", "format": "NETCDF3_64BIT", "unlimited_dims": ["time"]}
-                heading.to_netcdf(self.path, encoding=plain, **form)
-        try:
-            self.file = netCDF4.Dataset(self.path, "a")
-            self.file.set_auto_mask(False)
-            self.file.set_fill_off()
-            found = len(self.file.dimensions["time"])
-        except (OSError, RuntimeError, KeyError) as error:
-            raise LtcgearError(f"{self.path}: cannot be read ({error}); simulate again without --resume") from error
-        if found < self.rows or set(self.moving) - set(self.file.variables):
-            self.file.close()
+                _write_heading(self.path, heading)
+        self.record, found = self._layout()
+        self.rows, self.begin = kept or (0, self.path.stat().st_size - self.record.itemsize)
+        if found < self.rows or set(self.record.names or ()) != {
+            str(n) for n in heading.variables if _moves(heading, n)
+        }:
             raise LtcgearError(
                 f"{self.path}: holds {found} samples where the checkpoint counts {self.rows}; "
                 "simulate again without --resume"
             )
+        self.file = self.path.open("r+b", buffering=0)
+
+    def _layout(self) -> tuple[np.dtype[np.void], int]:
+        """Return what a record is made of, in the file's order, and how many there are."""
+        import netCDF4
+
+        try:
+            with netCDF4.Dataset(self.path) as file:
+                moving = [v for v in file.variables.values() if v.dimensions[:1] == ("time",)]
+                record = np.dtype([(v.name, v.dtype.newbyteorder(">"), v.shape[1:]) for v in moving])
+                return record, len(file.dimensions["time"])
+        except (OSError, RuntimeError, KeyError) as error:
+            raise LtcgearError(f"{self.path}: cannot be read ({error}); simulate again without --resume") from error
+
+    def __enter__(self) -> "Part":
+        """Use the file."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """Close it."""
+        self.file.close()
 
     def append(self, rows: "xr.Dataset") -> None:
         """Append rows; once this returns they outlast the program."""
-        count = rows.sizes["time"]
-        if not count:
-            return
+        records = np.zeros(rows.sizes["time"], self.record)
+        for name in self.record.names or ():
+            records[name] = rows[name].values
         with _writing(self.path):
-            for name in self.moving:
-                self.file.variables[name][self.rows : self.rows + count] = rows[name].values
-            self.file.sync()
-        self.rows += count
+            self._put(self.begin + self.rows * self.record.itemsize, records.tobytes())
+            self._put(4, (self.rows + len(records)).to_bytes(4, "big"))
+        self.rows += len(records)
+
+    def _put(self, place: int, data: bytes) -> None:
+        """Write bytes at a place."""
+        self.file.seek(place)
+        left = memoryview(data)
+        while left:
+            left = left[self.file.write(left) :]
 
     def force_sums(self) -> ForceSums:
         """Return sums and extremes of the mesh forces over the second half of the rows."""
-        forces = self.file.variables["mesh_force"]
-        sums = ForceSums(forces.shape[1])
-        for block in self._blocks("mesh_force", self.rows // 2):
-            sums.note(block)
+        sums = ForceSums(self.record["mesh_force"].shape[0])
+        for records in self._blocks(self.rows // 2):
+            sums.note(records["mesh_force"].astype(np.float64))
         return sums
 
     def seal(self, heading: "xr.Dataset") -> None:
@@ -105,38 +126,54 @@ class Part:
         draft = self.target.with_name(f".draft-{self.target.name}")
         try:
             with _writing(self.target):
-                heading.drop_dims("time").to_netcdf(draft, engine="netcdf4")
+                fixed = heading.drop_dims("time")
+                fixed.encoding = {}
+                fixed.to_netcdf(draft, engine="netcdf4")
                 with netCDF4.Dataset(draft, "a") as result:
                     result.createDimension("time", self.rows)
-                    for name in self.moving:
-                        self._copy(name, heading, result)
+                    self._copy(heading, result)
                 draft.replace(self.target)
         finally:
             draft.unlink(missing_ok=True)
 
-    def close(self, keep: bool) -> None:
-        """Close the file, and delete it unless it is to be kept."""
-        self.file.close()
-        if not keep:
-            self.path.unlink(missing_ok=True)
-
-    def _copy(self, name: str, heading: "xr.Dataset", result: Any) -> None:  # noqa: ANN401
-        """Copy a variable, chunk by chunk."""
-        source = heading[name]
-        options: dict[str, Any] = {}
-        if source.dtype.kind == "f":
-            options = {"zlib": True, "complevel": 1, "shuffle": True, "fill_value": np.nan}
-        shape = (min(BLOCK, self.rows), *source.shape[1:])
-        copied = result.createVariable(name, source.dtype, source.dims, chunksizes=shape, **options)
-        copied.setncatts(source.attrs)
-        copied.set_auto_mask(False)
-        copied.set_var_chunk_cache(size=source.dtype.itemsize * int(np.prod(shape)), nelems=1)
+    def _copy(self, heading: "xr.Dataset", result: Any) -> None:  # noqa: ANN401
+        """Copy all rows, chunk by chunk."""
+        for name in self.record.names or ():
+            source = heading[name]
+            options: dict[str, Any] = {}
+            if source.dtype.kind == "f":
+                options = {"zlib": True, "complevel": 1, "shuffle": True, "fill_value": np.nan}
+            shape = (min(BLOCK, self.rows), *source.shape[1:])
+            copied = result.createVariable(name, source.dtype, source.dims, chunksizes=shape, **options)
+            copied.setncatts(source.attrs)
+            copied.set_auto_mask(False)
+            copied.set_var_chunk_cache(size=source.dtype.itemsize * int(np.prod(shape)), nelems=1)
         start = 0
-        for block in self._blocks(name):
-            copied[start : start + len(block)] = block
-            start += len(block)
+        for records in self._blocks():
+            for name in self.record.names or ():
+                result[name][start : start + len(records)] = records[name].astype(heading[name].dtype)
+            start += len(records)
 
-    def _blocks(self, name: str, start: int = 0) -> Iterator[Any]:
-        """Yield the rows of a variable from a row on, as many as are copied at once."""
+    def _blocks(self, start: int = 0) -> Iterator[NDArray[np.void]]:
+        """Yield the rows from a row on, as many as are copied at once."""
         for first in range(start, self.rows, BLOCK):
-            yield self.file.variables[name][first : min(first + BLOCK, self.rows)]
+            place, count = self.begin + first * self.record.itemsize, min(BLOCK, self.rows - first)
+            yield np.fromfile(self.path, self.record, count, offset=place)
+
+
+def _moves(heading: "xr.Dataset", name: Hashable) -> bool:
+    """Say whether a variable changes over time."""
+    return "time" in heading[name].dims
+
+
+def _write_heading(path: Path, heading: "xr.Dataset") -> None:
+    """Write a part's heading and the room of one record."""
+    one = heading.reindex(time=[0.0], fill_value=0)
+    narrow = [name for name in heading.variables if _moves(heading, name) and heading[name].dtype.kind == "i"]
+    one = one.assign({name: one[name].astype(np.int32) for name in narrow}).assign_attrs(heading.attrs)
+    plain = {name: {"_FillValue": None} for name in heading.variables}
+    form: Any = {"engine": "netcdf4", "format": "NETCDF3_64BIT", "unlimited_dims": ["time"]}
+    one.to_netcdf(path, encoding=plain, **form)
+    with path.open("r+b") as file:
+        file.seek(4)
+        file.write(bytes(4))

@@ -94,22 +94,24 @@ def record(
     recorder = Recorder(library, target, rate, oversample, to_attributes(attributes, about), kept)
     if kept:
         integration.restore(kept)
-    state_of_start = {f"at.{name}": np.array(value) for name, value in asdict(at).items()}
-    outcome = integration.proceed(
-        recorder.take,
-        told,
-        lambda: write_checkpoint(target, run, integration.snapshot() | recorder.snapshot() | state_of_start),
-    )
-    clock = perf_counter()
-    forces = recorder.finish(outcome)
-    outcome.seconds["outputs"] += perf_counter() - clock
-    summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
-    stopped = outcome.status.startswith("interrupted")
-    if stopped:
-        summary["status"] += "; --resume goes on"
-    clock = perf_counter()
-    recorder.seal(to_attributes(attributes, summary), outcome, keep=stopped)
-    summary["seconds"]["write"] = perf_counter() - clock
+    start = {f"at.{name}": np.array(value) for name, value in asdict(at).items()}
+    with recorder.part:
+        outcome = integration.proceed(
+            recorder.take,
+            told,
+            lambda: write_checkpoint(target, run, integration.snapshot() | recorder.snapshot() | start),
+        )
+        forces = recorder.finish(outcome)
+        summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
+        stopped = outcome.status.startswith("interrupted")
+        if stopped:
+            summary["status"] += "; --resume goes on"
+        clock = perf_counter()
+        recorder.seal(to_attributes(attributes, summary), outcome)
+        summary["seconds"]["write"] = perf_counter() - clock
+    if not stopped:
+        checkpoint_of(target).unlink()
+        part_of(target).unlink()
     return summary
 
 
@@ -137,7 +139,7 @@ class Recorder:
         else:
             self.reader.restore(kept)
         heading = self._heading({**attributes, "status": UNDER_WAY})
-        self.part = Part(target, heading, None if kept is None else int(kept["part.rows"]))
+        self.part = Part(target, heading, None if kept is None else (int(kept["part.rows"]), int(kept["part.begin"])))
 
     def take(self, block: Block) -> None:
         """Read a block and append its rows."""
@@ -145,7 +147,10 @@ class Recorder:
 
     def snapshot(self) -> Snapshot:
         """Return all that it needs to go on."""
-        return self.reader.snapshot() | {"part.rows": np.array(self.part.rows)}
+        return self.reader.snapshot() | {
+            "part.rows": np.array(self.part.rows),
+            "part.begin": np.array(self.part.begin),
+        }
 
     def finish(self, outcome: Outcome) -> dict[str, Any]:
         """Append the last rows; return the statistics of the mesh forces."""
@@ -158,12 +163,9 @@ class Recorder:
         extremes = between_samples(low, high, outcome.extremes.half, middle, self.rate)
         return self.part.force_sums().statistics([self.library.manifest.reports[i].item for i in columns], *extremes)
 
-    def seal(self, attributes: Mapping[str, Any], outcome: Outcome, keep: bool) -> None:
-        """Write the result; delete part and checkpoint unless they are to be kept."""
+    def seal(self, attributes: Mapping[str, Any], outcome: Outcome) -> None:
+        """Write the result."""
         self.part.seal(self._heading(attributes, outcome.extremes))
-        if not keep:
-            checkpoint_of(self.target).unlink(missing_ok=True)
-        self.part.close(keep)
 
     def _append(self, rows: Rows) -> None:
         self.part.append(make_dataset(self.library, rows))

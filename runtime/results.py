@@ -17,6 +17,7 @@ from .kernel import Kernel
 from .library import Library
 from .reading import Rows, by_quantity
 from .scaling import UNLOADED
+from .statistics import BLOCK
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -154,7 +155,10 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     """
     check_target(path)
     floats = {name: variable for name, variable in dataset.items() if variable.dtype.kind == "f"}
-    encoding = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in floats}
+    chunks = {name: (min(len(v), BLOCK), *v.shape[1:]) for name, v in floats.items() if v.dims[0] == "time"}
+    encoding = {
+        name: {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunks.get(name)} for name in floats
+    }
     handle, draft = tempfile.mkstemp(dir=path.resolve().parent, prefix=".draft-", suffix=".nc")
     os.close(handle)
     try:
