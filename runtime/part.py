@@ -169,8 +169,9 @@ def _moves(heading: "xr.Dataset", name: Hashable) -> bool:
 def _write_heading(path: Path, heading: "xr.Dataset") -> None:
     """Write a part's heading and the room of one record."""
     one = heading.reindex(time=[0.0], fill_value=0)
-    narrow = [name for name in heading.variables if _moves(heading, name) and heading[name].dtype.kind == "i"]
-    one = one.assign({name: one[name].astype(np.int32) for name in narrow}).assign_attrs(heading.attrs)
+    kinds = {"f": np.float64, "i": np.int32}
+    wide = {name: one[name].astype(kinds[heading[name].dtype.kind]) for name in heading if _moves(heading, name)}
+    one = one.assign(wide).assign_attrs(heading.attrs)
     plain = {name: {"_FillValue": None} for name in heading.variables}
     form: Any = {"engine": "netcdf4", "format": "NETCDF3_64BIT", "unlimited_dims": ["time"]}
     one.to_netcdf(path, encoding=plain, **form)
