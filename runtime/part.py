@@ -138,9 +138,9 @@ class Part:
 
     def _copy(self, heading: "xr.Dataset", result: Any) -> None:  # noqa: ANN401
         """Copy all rows, chunk by chunk."""
+        copies = {}
         for name in self.record.names or ():
-            source = heading[name]
-            options: dict[str, Any] = {}
+            source, options = heading[name], dict[str, Any]()
             if source.dtype.kind == "f":
                 options = {"zlib": True, "complevel": 1, "shuffle": True, "fill_value": np.nan}
             shape = (min(BLOCK, self.rows), *source.shape[1:])
@@ -148,10 +148,11 @@ class Part:
             copied.setncatts(source.attrs)
             copied.set_auto_mask(False)
             copied.set_var_chunk_cache(size=source.dtype.itemsize * int(np.prod(shape)), nelems=1)
+            copies[name] = copied
         start = 0
         for records in self._blocks():
-            for name in self.record.names or ():
-                result[name][start : start + len(records)] = records[name].astype(heading[name].dtype)
+            for name, copied in copies.items():
+                copied[start : start + len(records)] = records[name].astype(copied.dtype)
             start += len(records)
 
     def _blocks(self, start: int = 0) -> Iterator[NDArray[np.void]]:

@@ -20,7 +20,15 @@ from .reading import Reader, Rows, by_quantity
 from .results import check_target, make_dataset
 from .sampling import Block
 from .signals import Pairs
-from .simulation import DEFAULT_METHOD, DEFAULT_RTOL, check_length, check_options, describe, summarise, to_attributes
+from .simulation import (
+    DEFAULT_METHOD,
+    DEFAULT_RTOL,
+    check_length,
+    check_options,
+    list_settings,
+    summarise,
+    to_attributes,
+)
 from .statistics import between_samples
 
 if TYPE_CHECKING:
@@ -88,7 +96,7 @@ def record(
     p, clock = library.parameters(values), perf_counter()
     at = _equilibrium_of(kept) if kept else find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
-    about = describe(library, method, rtol, oversample)
+    about = list_settings(library, method, rtol, oversample)
     options: dict[str, Any] = settings | {"rate": rate * oversample, "tables": tables}
     integration = Integration(library, p, at, **options)
     recorder = Recorder(library, target, rate, oversample, to_attributes(attributes, about), kept)

@@ -130,13 +130,13 @@ def simulate(
     dataset = make_dataset(library, join_rows([*rows, reader.finish()]), outcome.extremes)
     outcome.seconds["outputs"] += perf_counter() - clock
     forces = _forces(dataset)
-    about = describe(library, method, rtol, oversample)
+    about = list_settings(library, method, rtol, oversample)
     summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
     dataset.attrs |= to_attributes(attributes, summary)
     return Result(dataset, summary)
 
 
-def describe(library: Library, method: str, rtol: float, oversample: int) -> dict[str, Any]:
+def list_settings(library: Library, method: str, rtol: float, oversample: int) -> dict[str, Any]:
     """Return how a run is computed."""
     return {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
 
