@@ -70,7 +70,9 @@ class Part:
                 f"{self.path}: holds {found} samples where the checkpoint counts {self.rows}; "
                 "simulate again without --resume"
             )
-        self.file = self.path.open("r+b", buffering=0)
+        with _writing(self.path):
+            self.file = self.path.open("r+b", buffering=0)
+            self._count(self.rows)
 
     def _layout(self) -> tuple[np.dtype[np.void], int]:
         """Return what a record is made of, in the file's order, and how many there are."""
@@ -99,8 +101,12 @@ class Part:
             records[name] = rows[name].values
         with _writing(self.path):
             self._put(self.begin + self.rows * self.record.itemsize, records.tobytes())
-            self._put(4, (self.rows + len(records)).to_bytes(4, "big"))
+            self._count(self.rows + len(records))
         self.rows += len(records)
+
+    def _count(self, rows: int) -> None:
+        """Write how many rows there are."""
+        self._put(4, rows.to_bytes(4, "big"))
 
     def _put(self, place: int, data: bytes) -> None:
         """Write bytes at a place."""
@@ -176,6 +182,3 @@ def _write_heading(path: Path, heading: "xr.Dataset") -> None:
     plain = {name: {"_FillValue": None} for name in heading.variables}
     form: Any = {"engine": "netcdf4", "format": "NETCDF3_64BIT", "unlimited_dims": ["time"]}
     one.to_netcdf(path, encoding=plain, **form)
-    with path.open("r+b") as file:
-        file.seek(4)
-        file.write(bytes(4))
