@@ -9,10 +9,11 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from ltcgear.runtime.clocks import Clocks
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.integration import Trajectory, integrate
 from ltcgear.runtime.library import Library, build
-from ltcgear.runtime.results import outputs_of
+from ltcgear.runtime.reading import outputs_of
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
@@ -73,7 +74,7 @@ def run(settings: dict[str, str], turns: float, method: str = "erk") -> Run:
 def mesh_forces(library: Library, p: Any, path: Trajectory) -> np.ndarray:  # noqa: ANN401
     """Return all mesh forces [N], shape (times, meshes)."""
     rows = [i for i, report in enumerate(library.manifest.reports) if report.quantity == "mesh_force"]
-    return outputs_of(library, p, path)[:, rows]
+    return outputs_of(library, Clocks(library.manifest, p), path)[:, rows]
 
 
 def drift(found: Run, turns: int = WINDOW) -> float:

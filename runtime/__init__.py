@@ -9,6 +9,7 @@ _HOME = {
     "find_modes": "modes",
     "integrate": "integration",
     "load": "results",
+    "record": "recording",
     "save": "results",
     "simulate": "simulation",
 }

@@ -3,32 +3,35 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
+from .brake import Brake
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
 from .library import Library
-from .march import March
-from .sampling import Samples
+from .march import March, Snapshot
+from .sampling import Block, Samples, join
 from .signals import Pairs, Signals
 from .stepper import Counts
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
+Push = Callable[[Block], None]
 CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
+MARK_SECONDS = 2.0
+"""Seconds between two marks of a run."""
 
 
 @dataclass(frozen=True)
-class Trajectory:
-    """What an integration gave, up to its end or its failure.
+class Outcome:
+    """How an integration went, up to its end or its failure.
 
     Attributes
     ----------
-    time, x, levels, signals
-        Sample times [s], states, mesh levels and load signals, shapes (m,), (m, n), (m, l), (m, k).
     work
         Work done on the system by loads and drives less losses [J].
     jump_energy
@@ -47,14 +50,9 @@ class Trajectory:
     end
         Time reached [s].
     seconds
-        Time taken to set the integrator up (it may have to be compiled) and to integrate [s].
-    phi, turns
-        Reference angle [rad] less the whole turns that were taken off it, and these, shapes (m,).
+        Time taken to set the integrator up (it may have to be compiled), to integrate and to read outputs [s].
     """
 
-    time: Vector
-    x: Vector
-    levels: Vector
     work: float
     jump_energy: float
     energy: tuple[float, float]
@@ -64,6 +62,23 @@ class Trajectory:
     status: str
     end: float
     seconds: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Trajectory(Outcome):
+    """An integration with its samples.
+
+    Attributes
+    ----------
+    time, x, levels, signals
+        Sample times [s], states, mesh levels and load signals, shapes (m,), (m, n), (m, l), (m, k).
+    phi, turns
+        Reference angle [rad] less the whole turns that were taken off it, and these, shapes (m,).
+    """
+
+    time: Vector
+    x: Vector
+    levels: Vector
     signals: Vector
     phi: Vector
     turns: NDArray[np.int64]
@@ -74,11 +89,8 @@ class Trajectory:
         return np.hstack([self.levels, self.signals])
 
 
-def integrate(
-    library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
-    told: Told = lambda t: None, tables: Mapping[str, Pairs] | None = None,
-) -> Trajectory:  # fmt: skip
-    """Integrate from the equilibrium.
+class Integration:
+    """An integration on its way, which hands its samples on.
 
     Parameters
     ----------
@@ -90,52 +102,133 @@ def integrate(
         Samples a second [Hz].
     method, rtol
         See ``stepper``.
-    told
-        Called with the simulated time now and then.
     tables
         The model's tables over time, by name.
+
+    Raises
+    ------
+    SolverError
+        If the method cannot be set up.
+    """
+
+    def __init__(
+        self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
+        tables: Mapping[str, Pairs] | None = None,
+    ) -> None:  # fmt: skip
+        clock = perf_counter()
+        last = round(t_end * rate)
+        self.signals = Signals(library.manifest.signals, tables or {})
+        self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})"
+        try:
+            self.march = March(library, p, at, method, rtol, last, rate, self.signals)
+        except RuntimeError as error:
+            raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
+        self.push: Push = lambda block: None
+        self.samples = Samples(self.march, last, rate, self._push)
+        self.seconds = {"prepare": perf_counter() - clock, "integrate": 0.0, "outputs": 0.0}
+        self.clock = perf_counter()
+
+    def proceed(self, push: Push, told: Told = lambda t: None, mark: Callable[[], None] = lambda: None) -> Outcome:
+        """Integrate to the end.
+
+        Parameters
+        ----------
+        push
+            Takes the samples, block by block.
+        told
+            Called with the simulated time now and then.
+        mark
+            Called at the start, now and then, and when Ctrl-C stops the run, between two segments and with all samples
+            handed on: a ``snapshot`` is whole then.
+        """
+        self.push, self.clock = push, perf_counter()
+        with Brake() as brake:
+            status = self._proceed(told, mark, brake)
+        self.samples.flush()
+        self._tick("integrate")
+        return self._outcome(status)
+
+    def snapshot(self) -> Snapshot:
+        """Return all that the integration needs to go on as if it had not stopped."""
+        self._tick("integrate")
+        kept = {f"seconds.{name}": np.array(value) for name, value in self.seconds.items()}
+        return self.march.snapshot() | kept | {"samples": np.array(self.samples.done)}
+
+    def restore(self, kept: Snapshot) -> None:
+        """Go on from a snapshot."""
+        self.march.restore(kept)
+        self.samples.goto(int(kept["samples"]))
+        for name in self.seconds:
+            self.seconds[name] += float(kept[f"seconds.{name}"])
+
+    def _proceed(self, told: Told, mark: Callable[[], None], brake: Brake) -> str:
+        """Integrate segment by segment to the end; return ``done``, or why it stopped and what to try."""
+        shown, marked, march, samples = 0.0, -np.inf, self.march, self.samples
+        while not samples.complete:
+            start = march.time
+            if brake.pulled or perf_counter() - marked > MARK_SECONDS:
+                samples.flush()
+                mark()
+                marked = perf_counter()
+            if brake.pulled:
+                return f"interrupted at t = {start:.6g} s; what was computed until then is kept"
+            try:
+                duration, path, level = march.segment(samples.end - start)
+            except RuntimeError as error:
+                cause = str(error).strip().splitlines()[-1][:200]
+                return f"{self.stopped.format(start)}: {cause}; {CURE}"
+            samples.take(start, duration, path, level)
+            now = perf_counter()
+            if now - shown > 0.1:
+                shown = now
+                told(march.time)
+        return "done"
+
+    def _push(self, block: Block) -> None:
+        """Hand a block on."""
+        self._tick("integrate")
+        self.push(block)
+        self._tick("outputs")
+
+    def _tick(self, stage: str) -> None:
+        """Book the time since the last tick."""
+        now = perf_counter()
+        self.seconds[stage] += now - self.clock
+        self.clock = now
+
+    def _outcome(self, status: str) -> Outcome:
+        """Return how it went; switchings that kinematics does not call for are a failure."""
+        march, events = self.march, self.march.stepper.counts.events
+        expected = march.expected_events()
+        if status == "done" and expected not in (None, events):
+            status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
+        energy = march.first_energy, march.energy(march.z, march.cells, self.signals.at(march.time))
+        end = min(march.time, self.samples.end)
+        return Outcome(
+            march.work, march.jump_energy, energy, march.stepper.counts, expected, march.extremes, status, end,
+            self.seconds,
+        )  # fmt: skip
+
+
+def integrate(
+    library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
+    told: Told = lambda t: None, tables: Mapping[str, Pairs] | None = None,
+) -> Trajectory:  # fmt: skip
+    """Integrate from the equilibrium, and keep all samples.
+
+    Parameters
+    ----------
+    library, p, at, t_end, rate, method, rtol, tables
+        See ``Integration``.
+    told
+        Called with the simulated time now and then.
 
     Returns
     -------
     Trajectory
         A failure is a status in it, and what was computed until then is kept.
     """
-    clock = perf_counter()
-    count = round(t_end * rate)
-    signals = Signals(library.manifest.signals, tables or {})
-    try:
-        march = March(library, p, at, method, rtol, count, rate, signals)
-    except RuntimeError as error:
-        raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
-    prepared = perf_counter()
-    samples = Samples(march, np.arange(count + 1) / rate)
-    status = _proceed(march, samples, told, f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})")
-    expected = march.expected_events()
-    if status == "done" and expected not in (None, march.stepper.counts.events):
-        status = f"{march.stepper.counts.events} stiffness switchings, not the {expected} of kinematics: not to be used"
-    energy = march.first_energy, march.energy(march.z, march.cells, signals.at(march.time))
-    return Trajectory(
-        *samples.taken(), march.work, march.jump_energy, energy, march.stepper.counts, expected, march.extremes, status,
-        min(march.time, float(samples.time[-1])),
-        {"prepare": prepared - clock, "integrate": perf_counter() - prepared},
-        signals.over(samples.time[: samples.done]), samples.phi[: samples.done], samples.turns[: samples.done],
-    )  # fmt: skip
-
-
-def _proceed(march: March, samples: Samples, told: Told, stopped: str) -> str:
-    """Integrate segment by segment to the end; return ``done``, or why it stopped and what to try."""
-    shown = 0.0
-    while samples.done < len(samples.time):
-        start = march.time
-        try:
-            duration, path, level = march.segment(samples.time[-1] - start)
-        except RuntimeError as error:
-            cause = str(error).strip().splitlines()[-1][:200]
-            return f"{stopped.format(start)}: {cause}; {CURE}"
-        except KeyboardInterrupt:
-            return f"interrupted at t = {start:.6g} s; what was computed until then is kept"
-        samples.take(start, duration, path, level)
-        if perf_counter() - shown > 0.1:
-            shown = perf_counter()
-            told(march.time)
-    return "done"
+    kept: list[Block] = []
+    options: dict[str, Any] = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "tables": tables}
+    outcome = Integration(library, p, at, **options).proceed(kept.append, told)
+    return Trajectory(**vars(outcome), **vars(join(kept)))

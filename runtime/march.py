@@ -1,6 +1,8 @@
 """March: an integration under way, segment by segment of smooth motion between switching instants."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
+from math import ceil
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +22,14 @@ from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, l
 Vector = NDArray[np.float64]
 MOST_TURNS = 16
 """Turns of the reference in a block of samples, at whose end whole turns are taken off its angle."""
+Snapshot = dict[str, NDArray[np.generic]]
+KEPT = (
+    "z", "time", "unpassed", "turns", "work", "jump_energy", "first_energy", "longest", "cells", "last_turn",
+    "expected", "reversed",
+)  # fmt: skip
+"""All that a march remembers from segment to segment, besides parameters, sides, counts, extremes and the last step."""
+WIDEST = 1000.0
+"""Angle [rad] by which the fastest mode turns at most between two nodes where nothing switches or bends."""
 
 
 class March:
@@ -59,15 +69,38 @@ class March:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
         A segment between switchings is so short that the fastest mode turns by 8 rad between 17 nodes, or
-        16 rad between 25, at most; polynomials through them are right to 1e-9 then.
+        16 rad between 25, at most; polynomials through them are right to 1e-9 then. Blocks are equally long, and
+        where samples lie far apart nodes lie between them, so that no engine runs out of steps between two.
         """
-        manifest = self.library.manifest
+        quickest, manifest = fastest(self.library, self.at, self.p), self.library.manifest
         if not (manifest.levels or manifest.signals or manifest.holds):
+            finer = max(ceil(quickest / rate / WIDEST), 1)
             turning = self._reference_speed() / (MOST_TURNS * TURN)
-            block = max(1, min(256, samples, int(rate / turning) if turning else samples))
-            return Uniform(block), block / rate
+            most = max(1, min(256, int(rate / turning) * finer if turning else 256))
+            blocks = ceil(samples * finer / most)
+            block = ceil(samples * finer / blocks)
+            return Uniform(block), block / finer / rate
         count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
-        return Chebyshev(count), turn / fastest(self.library, self.at, self.p)
+        return Chebyshev(count), turn / quickest
+
+    def snapshot(self) -> Snapshot:
+        """Return all that the march needs to go on as if it had not stopped."""
+        kept = {name: np.array(getattr(self, name)) for name in KEPT}
+        kept |= {f"counts.{name}": np.array(value) for name, value in asdict(self.stepper.counts).items()}
+        kept |= {f"extremes.{name}": getattr(self.extremes, name).copy() for name in ("lowest", "steady")}
+        return kept | {"p": self.p.copy(), "sides": self.regimes.sides, "stepper.last": np.array(self.stepper.last)}
+
+    def restore(self, kept: Snapshot) -> None:
+        """Go on from a snapshot."""
+        for name in KEPT:
+            setattr(self, name, _plain(kept[name]))
+        for name in asdict(self.stepper.counts):
+            setattr(self.stepper.counts, name, int(kept[f"counts.{name}"]))
+        for name in ("lowest", "steady"):
+            setattr(self.extremes, name, _plain(kept[f"extremes.{name}"]))
+        self.stepper.last = float(kept["stepper.last"])
+        self.p[:], self.regimes.sides = kept["p"], _plain(kept["sides"])
+        self._renumber()
 
     def _reference_speed(self) -> float:
         """Return the size of the reference speed at the start [rad/s]."""
@@ -242,3 +275,8 @@ def held_speed(library: Library, p: Vector) -> float | None:
     names = [name for name, _ in library.manifest.parameters]
     held = library.manifest.reference == "speed" and "reference.speed" in names
     return float(p[names.index("reference.speed")]) if held else None
+
+
+def _plain(value: NDArray[np.generic]) -> Any:  # noqa: ANN401
+    """Return an array as it was before it was kept: a number, or an array of its own."""
+    return value.copy() if value.ndim else value.item()

@@ -25,6 +25,9 @@ CFolder = Annotated[
 ResultFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="NetCDF4 file to write, .nc.", show_default="none")
 ]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Go on with a run that was stopped or killed; give what it was given.")
+]
 ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for result and figures.")]
 EndTime = Annotated[
     float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")

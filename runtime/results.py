@@ -10,20 +10,19 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from .clocks import Clocks
 from .equilibrium import Equilibrium
-from .integration import Trajectory
+from .extremes import MeshExtremes
+from .integration import Outcome
 from .kernel import Kernel
 from .library import Library
+from .reading import Rows, by_quantity
 from .scaling import UNLOADED
+from .statistics import BLOCK
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Vector = NDArray[np.float64]
-
-MARGIN = 32
-"""Samples by which a signal is mirrored beyond its ends before it is filtered."""
 
 LONG_NAMES = {
     "mesh_force": "normal mesh force",
@@ -54,7 +53,7 @@ LONG_NAMES = {
 }
 
 
-def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Trajectory) -> float:
+def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Outcome) -> float:
     """Return what is missing in the energy balance, over the strain energy of the start.
 
     Energy at the end less energy at the start, less work of loads, drives and dampers, less what the
@@ -67,56 +66,17 @@ def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Trajecto
     return missing / max(strain, abs(path.work) + abs(path.jump_energy), UNLOADED * freedoms)
 
 
-def outputs_of(library: Library, p: Vector, path: Trajectory) -> Vector:
-    """Evaluate the outputs along a trajectory, shape (m, n_y); mesh phases count on over all turns."""
-    clocks = Clocks(library.manifest, p)
-    values = clocks.outputs(library.functions["outputs"], path.x, path.s, path.phi, path.turns)
-    for column, report in enumerate(library.manifest.reports):
-        if report.quantity == "mesh_phase":
-            values[:, column] += clocks.unwound(report.item, path.turns)
-    return values
-
-
-def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> tuple[NDArray[np.int64], Vector]:
-    """Read the outputs at every ``oversample``-th time, accelerations free of aliases.
-
-    Stiffness jumps make accelerations jump, so their spectrum has no end, and samples taken as they are
-    show tones above half the sampling rate as false lines below it. Here the mean acceleration between
-    samples (the difference of velocities, which are continuous) goes through SciPy's zero-phase FIR filter,
-    whose band ends gently: lines up to 0.4 of the sampling rate are free of aliases.
-
-    Returns
-    -------
-    rows, values
-        Which samples of the trajectory are kept, shape (m,), and the outputs there, shape (m, n_y).
-    """
-    values = outputs_of(library, p, path)
-    rows: NDArray[np.int64] = np.arange(0, len(path.time), oversample, dtype=np.int64)
-    if oversample == 1 or len(rows) < 2 * MARGIN or "velocity_x" not in _by_quantity(library):
-        return rows, values[rows]
-    from scipy.signal import decimate
-
-    kept = values[rows]
-    columns = _by_quantity(library)
-    for axis in "xy":
-        mean = np.gradient(values[:, columns[f"velocity_{axis}"]], path.time, axis=0)
-        longer = np.pad(mean, ((MARGIN * oversample,) * 2, (0, 0)), mode="reflect")
-        filtered = decimate(longer, oversample, ftype="fir", axis=0, zero_phase=True)
-        kept[:, columns[f"acceleration_{axis}"]] = filtered[MARGIN : MARGIN + len(rows)]
-    return rows, kept
-
-
-def make_dataset(library: Library, p: Vector, path: Trajectory, oversample: int = 1) -> "xr.Dataset":
-    """Read a trajectory into an xarray Dataset.
+def make_dataset(library: Library, rows: Rows, extremes: MeshExtremes | None = None) -> "xr.Dataset":
+    """Write rows as an xarray Dataset.
 
     Parameters
     ----------
-    library, p
-        Model and parameters, shape (n_p,).
-    path
-        The trajectory.
-    oversample
-        How many samples of the trajectory make one of the result (see ``sampled``).
+    library
+        Model.
+    rows
+        Outputs, states and levels of kept samples (see ``reading``); there may be none.
+    extremes
+        Extremes of the mesh forces, where the run is over.
 
     Returns
     -------
@@ -125,23 +85,22 @@ def make_dataset(library: Library, p: Vector, path: Trajectory, oversample: int 
     """
     import xarray as xr
 
-    rows, values = sampled(library, p, path, oversample)
-    coordinates: dict[str, Any] = {"time": ("time", path.time[rows], {"units": "s", "long_name": "time"})}
+    coordinates: dict[str, Any] = {"time": ("time", rows.time, {"units": "s", "long_name": "time"})}
     data: dict[str, Any] = {}
-    for quantity, columns in _by_quantity(library).items():
+    for quantity, columns in by_quantity(library).items():
         dimension = _dimension(library, quantity, columns, coordinates)
         meta = {"units": library.manifest.reports[columns[0]].unit or "1", "long_name": LONG_NAMES[quantity]}
-        data[quantity] = (("time", dimension), values[:, columns], meta)
-    if "mesh_force" in data:
-        data |= _extremes(path)
+        data[quantity] = (("time", dimension), rows.values[:, columns], meta)
+    if "mesh_force" in data and extremes is not None:
+        data |= _extremes(extremes)
     if library.manifest.levels:
         coordinates["switched_mesh"] = list(library.manifest.levels)
         meta = {"units": "1", "long_name": LONG_NAMES["mesh_level"]}
-        data["mesh_level"] = (("time", "switched_mesh"), path.levels[rows].astype(np.int8), meta)
+        data["mesh_level"] = (("time", "switched_mesh"), rows.levels.astype(np.int8), meta)
     coordinates["state_name"] = [state.name for state in library.manifest.states]
     units = json.dumps([state.unit for state in library.manifest.states])
     data["state"] = (
-        ("time", "state_name"), path.x[rows], {"units": "SI", "long_name": "state vector", "state_units": units},
+        ("time", "state_name"), rows.x, {"units": "SI", "long_name": "state vector", "state_units": units},
     )  # fmt: skip
     return xr.Dataset(data, coords=coordinates)
 
@@ -155,23 +114,14 @@ def _dimension(library: Library, quantity: str, columns: list[int], coordinates:
     return dimension
 
 
-def _extremes(path: Trajectory) -> dict[str, Any]:
+def _extremes(extremes: MeshExtremes) -> dict[str, Any]:
     """Return the extremes of the mesh forces between samples, over the second half of the run."""
-    found = path.extremes.steady
-    names = {"lowest": found[0], "highest": found[1]}
-    meta = {"units": "N", "from_s": path.extremes.half}
+    names = {"lowest": extremes.steady[0], "highest": extremes.steady[1]}
+    meta = {"units": "N", "from_s": extremes.half}
     return {
         f"mesh_force_{word}": ("mesh", values, meta | {"long_name": f"{word} mesh force, between samples too"})
         for word, values in names.items()
     }
-
-
-def _by_quantity(library: Library) -> dict[str, list[int]]:
-    """Return quantity -> columns of the output vector."""
-    columns: dict[str, list[int]] = {}
-    for i, report in enumerate(library.manifest.reports):
-        columns.setdefault(report.quantity, []).append(i)
-    return columns
 
 
 def check_target(path: Path) -> None:
@@ -205,7 +155,10 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     """
     check_target(path)
     floats = {name: variable for name, variable in dataset.items() if variable.dtype.kind == "f"}
-    encoding = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in floats}
+    chunks = {name: (min(len(v), BLOCK), *v.shape[1:]) for name, v in floats.items() if v.dims[0] == "time"}
+    encoding = {
+        name: {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunks.get(name)} for name in floats
+    }
     handle, draft = tempfile.mkstemp(dir=path.resolve().parent, prefix=".draft-", suffix=".nc")
     os.close(handle)
     try:

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 from ltcgear.generated.errors import LtcgearError
 
 from .equilibrium import Equilibrium, Vector, find_equilibrium
-from .integration import Trajectory, integrate
+from .integration import Integration, Outcome
 from .kernel import Kernel
 from .library import Library
+from .reading import Reader, Rows, by_quantity, join_rows
 from .results import energy_residual, make_dataset
 from .scaling import LOADED
 from .signals import Pairs
@@ -43,16 +44,21 @@ def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
         raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds, greater than zero and below 1e7")
 
 
-def _check_size(library: Library, samples: float) -> None:
-    """Refuse a run of less than one sample, or of more than the memory holds."""
+def check_length(samples: float) -> None:
+    """Refuse a run of less than one sample."""
     if round(samples) < 1:
         raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
+
+
+def _check_size(library: Library, samples: float) -> None:
+    """Refuse a run of more than the memory holds."""
     manifest = library.manifest
     need = samples * 8 * sum(map(len, (manifest.states, manifest.levels, manifest.signals, manifest.reports)))
     have = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     if need > 0.8 * have:
         raise LtcgearError(
-            f"the run would take {need / 1e9:.0f} GB of {have / 1e9:.0f} GB memory; lower t_end, rate or oversample"
+            f"the run would take {need / 1e9:.0f} GB of {have / 1e9:.0f} GB memory; lower t_end or rate, or write it "
+            "to a file (simulate -o FILE.nc, or record)"
         )
 
 
@@ -77,7 +83,7 @@ def simulate(
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
 ) -> Result:
-    """Simulate from the loaded equilibrium.
+    """Simulate from the loaded equilibrium, and keep all samples in memory (``record`` writes them to a file).
 
     Parameters
     ----------
@@ -104,24 +110,42 @@ def simulate(
         If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
     """
     check_options(method, rtol, t_end)
-    _check_size(library, t_end * rate * oversample)
+    check_length(t_end * rate)
+    _check_size(library, t_end * rate)
     p = library.parameters(values)
     clock = perf_counter()
     at = find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
-    path = integrate(
-        library, p, at, t_end=t_end, rate=rate * oversample, method=method, rtol=rtol, told=told, tables=tables
-    )
-    seconds |= path.seconds
+    reader, rows = Reader(library, p, rate * oversample, oversample), list[Rows]()
+    settings: dict[str, Any] = {
+        "t_end": t_end,
+        "rate": rate * oversample,
+        "method": method,
+        "rtol": rtol,
+        "tables": tables,
+    }
+    integration = Integration(library, p, at, **settings)
+    outcome = integration.proceed(lambda block: rows.append(reader.read(block)), told)
     clock = perf_counter()
-    dataset = make_dataset(library, p, path, oversample)
-    seconds["outputs"] = perf_counter() - clock
-    settings = {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
-    summary = settings | _outcome(library, p, at, path, dataset) | {"seconds": seconds}
-    told_in_file = {**_versions(), **(attributes or {}), **summary}
-    del told_in_file["forces"]
-    dataset.attrs |= {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in told_in_file.items()}
+    dataset = make_dataset(library, join_rows([*rows, reader.finish()]), outcome.extremes)
+    outcome.seconds["outputs"] += perf_counter() - clock
+    forces = _forces(dataset)
+    about = list_settings(library, method, rtol, oversample)
+    summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
+    dataset.attrs |= to_attributes(attributes, summary)
     return Result(dataset, summary)
+
+
+def list_settings(library: Library, method: str, rtol: float, oversample: int) -> dict[str, Any]:
+    """Return how a run is computed."""
+    return {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
+
+
+def to_attributes(attributes: Mapping[str, Any] | None, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a result tells about itself: versions, what is known of its scene, and its summary."""
+    told = {**_versions(), **(attributes or {}), **summary}
+    told.pop("forces", None)
+    return {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in told.items()}
 
 
 def _versions() -> dict[str, Any]:
@@ -130,19 +154,21 @@ def _versions() -> dict[str, Any]:
     return {"ltcgear": versions["ltcgear"], "versions": versions | {"python": sys.version.split()[0]}}
 
 
-def _outcome(library: Library, p: Vector, at: Equilibrium, path: Trajectory, dataset: "xr.Dataset") -> dict[str, Any]:
+def summarise(
+    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return how an integration went, what it is worth, and the forces it found."""
     strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
-    residual = energy_residual(library, p, at, path)
+    residual = energy_residual(library, p, at, outcome)
     return {
-        "status": path.status,
-        "simulated_s": path.end,
-        "real_time_factor": path.end / path.seconds["integrate"],
-        "counts": asdict(path.counts) | {"expected_events": path.expected_events},
+        "status": outcome.status,
+        "simulated_s": outcome.end,
+        "real_time_factor": outcome.end / outcome.seconds["integrate"],
+        "counts": asdict(outcome.counts) | {"expected_events": outcome.expected_events},
         "energy_residual": residual,
         "static_strain_j": strain,
-        "forces": _forces(dataset),
-        "warnings": [*_open_balance(residual), *(_pulling(path, dataset) if strain > LOADED else ())],
+        "forces": forces,
+        "warnings": [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())],
     }
 
 
@@ -154,11 +180,13 @@ def _open_balance(residual: float) -> list[str]:
     return [f"{open_by}; lower --rtol or try another --method"]
 
 
-def _pulling(path: Trajectory, dataset: "xr.Dataset") -> list[str]:
+def _pulling(library: Library, outcome: Outcome) -> list[str]:
     """Say which meshes pull at some time: their teeth would part, which a bilateral mesh does not know."""
-    if "mesh_contact" in dataset or "mesh_force" not in dataset:
+    columns = by_quantity(library)
+    if "mesh_contact" in columns or "mesh_force" not in columns:
         return []
-    found = zip(dataset["mesh"].values, path.extremes.lowest, strict=True)
+    meshes = [library.manifest.reports[i].item for i in columns["mesh_force"]]
+    found = zip(meshes, outcome.extremes.lowest, strict=True)
     text = "{}: pulls with up to {:.4g} N, where teeth would part; set effects.contact to one-flank or backlash"
     return [text.format(mesh, -force) for mesh, force in found if force < 0]
 

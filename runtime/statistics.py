@@ -11,6 +11,9 @@ if TYPE_CHECKING:
 
     from .spectra import FloatArray
 
+BLOCK = 1024
+"""Samples that are summed up, and copied to a file, at once."""
+
 
 def steady_start(dataset: xr.Dataset) -> float:
     """Time from which a result counts as steady when nobody says otherwise.
@@ -109,38 +112,61 @@ def mesh_statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, 
         If the record ends before `start_s`.
     """
     forces = window(dataset, start_s)["mesh_force"].transpose("time", "mesh")
-    low, high = _between_samples(dataset, start_s)
-    return {
-        str(mesh): _force_statistics(forces.values[:, column].astype(np.float64), low[column], high[column])
-        for column, mesh in enumerate(forces["mesh"].values)
-    }
+    sums = ForceSums(forces.sizes["mesh"])
+    for first in range(0, forces.sizes["time"], BLOCK):
+        sums.note(forces.values[first : first + BLOCK].astype(np.float64))
+    return sums.statistics([str(mesh) for mesh in forces["mesh"].values], *_between_samples(dataset, start_s))
 
 
 def _between_samples(dataset: xr.Dataset, start_s: float) -> tuple[FloatArray, FloatArray]:
     """Extremes of each mesh force that the integrator saw, NaN where it followed another span [N]."""
     if "mesh_force_lowest" in dataset:
         low, high = dataset["mesh_force_lowest"], dataset["mesh_force_highest"]
-        if abs(float(low.attrs["from_s"]) - start_s) < 1.0 / sampling_rate(dataset):
-            return low.values, high.values
+        return between_samples(low.values, high.values, float(low.attrs["from_s"]), start_s, sampling_rate(dataset))
     unknown = np.full(dataset.sizes["mesh"], np.nan)
     return unknown, unknown
 
 
-def _force_statistics(
-    force: np.ndarray[tuple[int], np.dtype[np.float64]], lowest: float, highest: float
-) -> dict[str, float]:
-    """Statistics of one force history, shape (n,), widened by its extremes between samples [N]."""
-    mean = float(force.mean())
-    low, high = float(np.fmin(force.min(), lowest)), float(np.fmax(force.max(), highest))
-    peak = high if mean >= 0.0 else low
-    return {
-        "mean": mean,
-        "min": low,
-        "max": high,
-        "rms": float(np.sqrt(np.mean(force**2))),
-        "amplitude": 0.5 * (high - low),
-        "load_factor": peak / mean if mean != 0.0 else float("nan"),
-    }
+def between_samples(
+    low: FloatArray, high: FloatArray, followed_s: float, start_s: float, rate: float
+) -> tuple[FloatArray, FloatArray]:
+    """Extremes where they were followed from the start that is asked for, to a sample [s]; else NaN."""
+    if abs(followed_s - start_s) < 1.0 / rate:
+        return low, high
+    return np.full_like(low, np.nan), np.full_like(high, np.nan)
+
+
+class ForceSums:
+    """Sums and extremes of mesh forces, gathered block by block, so that no run needs to be held for them."""
+
+    def __init__(self, meshes: int) -> None:
+        self.count, self.sum, self.squares = 0, np.zeros(meshes), np.zeros(meshes)
+        self.low, self.high = np.full(meshes, np.inf), np.full(meshes, -np.inf)
+
+    def note(self, forces: FloatArray) -> None:
+        """Take in forces of shape (times, meshes) [N]."""
+        self.count += len(forces)
+        self.sum += forces.sum(axis=0)
+        self.squares += (forces**2).sum(axis=0)
+        self.low, self.high = np.minimum(self.low, forces.min(axis=0)), np.maximum(self.high, forces.max(axis=0))
+
+    def statistics(self, meshes: list[str], lowest: FloatArray, highest: FloatArray) -> dict[str, dict[str, float]]:
+        """Return the statistics by mesh, widened by the extremes between samples [N], NaN where not known."""
+        means, rms = self.sum / self.count, np.sqrt(self.squares / self.count)
+        lows, highs = np.fmin(self.low, lowest), np.fmax(self.high, highest)
+        found = {}
+        for k, mesh in enumerate(meshes):
+            mean, low, high = float(means[k]), float(lows[k]), float(highs[k])
+            peak = high if mean >= 0.0 else low
+            found[mesh] = {
+                "mean": mean,
+                "min": low,
+                "max": high,
+                "rms": float(rms[k]),
+                "amplitude": 0.5 * (high - low),
+                "load_factor": peak / mean if mean != 0.0 else float("nan"),
+            }
+        return found
 
 
 def mesh_frequencies(

@@ -71,9 +71,18 @@ class Arc:
 
 
 class Stepper(Protocol):
-    """Integrates one segment."""
+    """Integrates one segment.
+
+    Attributes
+    ----------
+    counts
+        What it has cost so far.
+    last
+        The step it begins the next segment with [s], all that it remembers; 0 where it remembers nothing.
+    """
 
     counts: Counts
+    last: float
 
     def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
         """Return the motion from z on.
@@ -134,7 +143,7 @@ class _Base:
     """What both kinds share: the parameter vector and the call."""
 
     def __init__(self, library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector) -> None:
-        self.counts = Counts()
+        self.counts, self.last = Counts(), 0.0
         self.method, self.rtol, self.frame, self.nodes, self.library = method, rtol, frame, nodes, library
         self.size = len(frame.scale)
         self.function = self._make()
@@ -269,18 +278,18 @@ class _WholeStepper(_Base):
         )
         self._tally, self._step = (ctypes.c_longlong * 4)(), ctypes.c_double()
         self._reader(self._tally, ctypes.byref(self._step))
-        self._before, self._last = tuple(self._tally), 0.0
+        self._before = tuple(self._tally)
         return function
 
     def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
         """Integrate a segment, beginning with the step the last one ended with."""
-        self.part["first"][:] = min(self._last / duration, 1.0)
+        self.part["first"][:] = min(self.last / duration, 1.0)
         return super().advance(z, duration, origin, s, slope)
 
     def _count(self, duration: float) -> None:
         self._reader(self._tally, ctypes.byref(self._step))
         steps, rhs, jacobian, rejected = (now - before for now, before in zip(self._tally, self._before, strict=True))
-        self._before, self._last = tuple(self._tally), self._step.value * duration
+        self._before, self.last = tuple(self._tally), self._step.value * duration
         self.counts.segments += 1
         self.counts.steps += steps
         self.counts.rhs += rhs

@@ -107,7 +107,7 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     speed = given[lead]
     rows = [row / np.abs(row).max() for _, row in _rolling_rows(scene, column)]
     right = [0.0] * len(rows)
-    still = {name for name, member in everyone.items() if is_fixed(member) or member.torsional_support}
+    still = [name for name, member in everyone.items() if is_fixed(member) or member.torsional_support]
     fixed_speeds = dict.fromkeys(still, 0.0) | {
         name: value / speed if speed else float(name == lead) for name, value in given.items()
     }

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from time import sleep
 
@@ -256,6 +257,26 @@ def test_simulate(data, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
 
 
+def test_an_interrupted_run_goes_on_or_is_begun_anew(run, tmp_path, monkeypatch):
+    @contextmanager
+    def stopping(title, end):
+        yield lambda now: os.kill(os.getpid(), signal.SIGINT)
+
+    command = ("simulate", "psh", *SHORT, "-o", tmp_path / "result.nc")
+    for last, told in (("--resume", ""), ("--json", "result.part.nc: an unfinished run is begun anew; --resume goes")):
+        with monkeypatch.context() as patch:
+            patch.setattr(cli.running, "progress", stopping)
+            code, _, err = run(*command)
+        assert code == 130
+        assert err.startswith("ltcgear: interrupted at t = ")
+        assert "--resume goes on" in err
+        assert len(list(tmp_path.iterdir())) == 3
+        code, _, err = run(*command, last)
+        assert (code, bool(err)) == (0, bool(told))
+        assert told in err
+        assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
+
+
 @pytest.mark.parametrize("method", ["erk", "cvodes", "idas", "rosenbrock"])
 def test_simulate_by_every_method(data, method):
     shown = data("simulate", "psh", "--t-end", "0.002", "--method", method, "--rtol", "1e-5")
@@ -342,6 +363,7 @@ def test_a_failed_check_is_exit_code_1(data, monkeypatch):
         (["simulate", "lsp", "--t-end", "-1"], "t_end -1: must"),
         (["simulate", "lsp", "--t-end", "nan"], "t_end nan: must"),
         (["simulate", "lsp", "--t-end", "inf"], "t_end inf: must"),
+        (["simulate", "lsp", "--resume"], "say which result is to go on, -o FILE.nc"),
         (["cost", "lsp", "--t-end", "0"], "t_end 0: must"),
         (["cost", "lsp", "--rtol", "1"], "must lie between"),
         (["cost", "lsp", "-o", "cost.jpg"], "name it cost.png"),
@@ -391,6 +413,8 @@ def test_an_unwritable_result_is_refused_before_computing(refused, tmp_path):
     assert "does not exist" in refused("simulate", "lsp", "-o", tmp_path / "no" / "x.nc")
     assert "is a folder" in refused("simulate", "lsp", "-o", tmp_path)
     assert f"name it {tmp_path / 'x.nc'}" in refused("simulate", "lsp", "-o", tmp_path / "x.csv")
+    unstarted = refused("simulate", "lsp", "--resume", "-o", tmp_path / "x.nc")
+    assert f"{tmp_path / 'x.checkpoint.npz'}: not there, so there is nothing to go on from" in unstarted
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert "does not exist" in refused("simulate", "lsp", "-o", tmp_path / "file" / "x.nc")
 

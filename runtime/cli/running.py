@@ -1,7 +1,7 @@
 """Commands that simulate: simulate, cost, paper."""
 
+import sys
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 from ltcgear.generated.errors import LtcgearError, SolverError
@@ -19,6 +19,7 @@ from ..options import (
     PaperEnd,
     ResultFile,
     ResultFolder,
+    Resume,
     SceneName,
     Tolerance,
 )
@@ -35,11 +36,12 @@ def simulate(
     method: Method = "erk",
     rtol: Tolerance = 1e-6,
     oversample: Oversample = 1,
+    resume: Resume = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4."""
-    summary = run(scene, changes, output, t_end, method, rtol, oversample)
+    """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4, as it comes."""
+    summary = run(scene, changes, output, t_end, method, rtol, oversample, resume)
     present.show(as_json, summary, present.simulated)
     _finished(summary)
 
@@ -51,13 +53,27 @@ def _finished(summary: dict[str, Any]) -> None:
         raise (InterruptedRunError if status.startswith("interrupted") else SolverError)(status)
 
 
-def _check_result(output: Path) -> None:
-    """Refuse a result file that cannot be written or is not named .nc, before anything is computed."""
+def _check_result(output: Path | None, resume: bool) -> None:
+    """Refuse a result file that cannot be written or gone on with, before anything is computed."""
+    from ..checkpoint import checkpoint_of
+    from ..part import part_of
+    from ..recording import check_resumable
     from ..results import check_target
 
+    if output is None:
+        if resume:
+            raise LtcgearError("--resume: say which result is to go on, -o FILE.nc")
+        return
     check_target(output)
     if output.suffix != ".nc":
         raise LtcgearError(f"{output}: results are NetCDF4 files; name it {output.with_suffix('.nc')}")
+    if resume:
+        check_resumable(output)
+    elif checkpoint_of(output).is_file():
+        print(
+            f"ltcgear: warning: {part_of(output)}: an unfinished run is begun anew; --resume goes on with it",
+            file=sys.stderr,
+        )
 
 
 def run(
@@ -68,38 +84,35 @@ def run(
     method: str,
     rtol: float,
     oversample: int,
+    resume: bool = False,
 ) -> dict[str, Any]:
-    """Simulate a scene and write its result; return the summary."""
-    from ..results import save
+    """Simulate a scene, into a file where one is given; return the summary."""
+    from ..recording import record
     from ..simulation import check_options
     from ..simulation import simulate as simulate_model
 
     check_options(method, rtol, t_end)
-    if output is not None:
-        _check_result(output)
+    _check_result(output, resume)
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
     about = {"scene": opened.scene.name, "title": opened.scene.title}
     with progress(f"simulate {opened.scene.name}", end) as told:
-        result = simulate_model(
-            library,
-            opened.model.values(),
-            t_end=end,
-            rate=opened.scene.simulation.rate,
-            method=method,
-            rtol=rtol,
-            oversample=oversample,
-            attributes=about | {"scene_json": opened.scene.model_dump_json()},
-            told=told,
-            tables=opened.model.tables,
-        )
-    seconds = opened.seconds | result.summary["seconds"]
-    if output is not None:
-        clock = perf_counter()
-        save(result.dataset, output)
-        seconds["write"] = perf_counter() - clock
-    return {"scene": opened.scene.name, **result.summary, "seconds": seconds}
+        options: dict[str, Any] = {
+            "t_end": end,
+            "rate": opened.scene.simulation.rate,
+            "method": method,
+            "rtol": rtol,
+            "oversample": oversample,
+            "attributes": about | {"scene_json": opened.scene.model_dump_json()},
+            "told": told,
+            "tables": opened.model.tables,
+        }
+        if output is None:
+            summary = simulate_model(library, opened.model.values(), **options).summary
+        else:
+            summary = record(library, opened.model.values(), output, resume=resume, **options)
+    return {"scene": opened.scene.name, **summary, "seconds": opened.seconds | summary["seconds"]}
 
 
 @app.command()

@@ -5,7 +5,8 @@ import pytest
 from ltcgear.runtime.clocks import TURN, Clocks
 from ltcgear.runtime.equilibrium import Equilibrium
 from ltcgear.runtime.march import March
-from ltcgear.runtime.results import make_dataset, outputs_of
+from ltcgear.runtime.reading import outputs_of
+from ltcgear.runtime.results import make_dataset
 from ltcgear.runtime.statistics import mesh_frequencies
 
 from .models import case
@@ -33,7 +34,7 @@ def shifted(c, turns):
 
 def outputs(c, path):
     """(quantity, item) -> values over time."""
-    columns = outputs_of(c.library, c.p, path).T
+    columns = outputs_of(c.library, Clocks(c.library.manifest, c.p), path).T
     return {(r.quantity, r.item): column for r, column in zip(c.library.manifest.reports, columns, strict=True)}
 
 
@@ -82,7 +83,11 @@ def test_what_is_taken_off_on_the_way_changes_nothing(name, monkeypatch):
     assert (plain.levels == path.levels).all()
     assert path.extremes.lowest == pytest.approx(plain.extremes.lowest, rel=1e-7)
     assert path.energy == pytest.approx(plain.energy, rel=1e-9)
-    one, two, reports = outputs_of(c.library, c.p, plain), outputs_of(c.library, c.p, path), c.library.manifest.reports
+    one, two, reports = (
+        outputs_of(c.library, Clocks(c.library.manifest, c.p), plain),
+        outputs_of(c.library, Clocks(c.library.manifest, c.p), path),
+        c.library.manifest.reports,
+    )
     for column, report in enumerate(reports):
         alike = [i for i, other in enumerate(reports) if other.unit == report.unit]
         assert np.abs(one - two)[:, column].max() <= 1e-7 * np.abs(one[:, alike]).max(), report
@@ -91,7 +96,7 @@ def test_what_is_taken_off_on_the_way_changes_nothing(name, monkeypatch):
 def test_reported_phases_and_angles_go_on_over_the_turns():
     c = case(*QUICK["lsp"])
     path = c.run(method="erk", rtol=1e-7, t_end=0.7, rate=1000.0)
-    data = make_dataset(c.library, c.p, path)
+    data = make_dataset(c.library, sampled(c.library, path, c.p, 1))
     assert mesh_frequencies(data, 0.0)["lsp"] == pytest.approx(300 / 60 * 118, rel=1e-4)
     steps = np.diff(data["mesh_phase"].values, axis=0)
     assert steps.min() > 0

@@ -1,0 +1,109 @@
+"""Checkpoint: all that a stopped run needs to go on, and what it must have in common with the one that goes on."""
+
+import json
+import sys
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+
+from .library import Library
+from .march import Snapshot
+from .signals import Pairs
+
+AGAIN = "leave out --resume to begin anew"
+SHOWN = 3
+"""Differences that a refusal tells."""
+
+
+def checkpoint_of(target: Path) -> Path:
+    """Return where the checkpoint of a result under way is."""
+    return target.with_suffix(".checkpoint.npz")
+
+
+def describe_run(
+    library: Library, values: Mapping[str, float], tables: Mapping[str, Pairs], settings: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return what makes a run what it is; two runs whose descriptions are equal are equal to the last bit.
+
+    Parameters
+    ----------
+    library, values, tables
+        Model, parameters and tables over time.
+    settings
+        Method, tolerance, times and rates.
+    """
+    packages = {name: version(name) for name in ("ltcgear", "casadi", "numpy", "scipy")}
+    return {
+        **{f"version of {name}": number for name, number in packages.items()},
+        "platform": sys.platform,
+        "engine": library.engine,
+        "equations": library.manifest.key,
+        **settings,
+        **{f"parameter {name}": value for name, value in values.items()},
+        **{f"table {name}": [list(row) for row in rows] for name, rows in tables.items()},
+    }
+
+
+def write_checkpoint(target: Path, description: Mapping[str, Any], kept: Snapshot) -> None:
+    """Write a checkpoint; it replaces the one before as a whole.
+
+    Raises
+    ------
+    LtcgearError
+        If it cannot be written.
+    """
+    path = checkpoint_of(target)
+    draft = path.with_name(f".draft-{path.name}")
+    arrays: dict[str, Any] = {**kept, "description": np.array(json.dumps(description))}
+    try:
+        with draft.open("wb") as file:
+            np.savez(file, **arrays)
+        draft.replace(path)
+    except OSError as error:
+        raise LtcgearError(
+            f"{path}: cannot be written: {error.strerror or error}; make room, then --resume goes on"
+        ) from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def read_checkpoint(target: Path, description: Mapping[str, Any]) -> Snapshot:
+    """Read the checkpoint of a run.
+
+    Raises
+    ------
+    LtcgearError
+        If there is none, it is damaged, or it is of a run with another description.
+    """
+    path = checkpoint_of(target)
+    if not path.is_file():
+        raise LtcgearError(f"{path}: no such checkpoint, so there is nothing to go on from; {AGAIN}")
+    try:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            kept = dict(file)
+        found = json.loads(str(kept.pop("description")))
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+        raise LtcgearError(f"{path}: damaged ({error}); {AGAIN}") from error
+    differences = list(_differences(found, json.loads(json.dumps(description))))
+    if differences:
+        more = f" and {len(differences) - SHOWN} more" if len(differences) > SHOWN else ""
+        told = "; ".join(differences[:SHOWN]) + more
+        raise LtcgearError(f"{path}: of another run: {told}; give the same, or {AGAIN}")
+    return kept
+
+
+def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
+    """Say what differs between two descriptions."""
+    names = [name for name in {**here, **there} if here.get(name) != there.get(name)]
+    return [_difference(name, there.get(name), here.get(name)) for name in names]
+
+
+def _difference(name: str, there: Any, here: Any) -> str:  # noqa: ANN401
+    """Say how one entry differs; long ones are named only."""
+    short = all(isinstance(value, (int, float)) or len(str(value)) < 24 for value in (there, here))
+    return f"{name} {there} there, {here} here" if short else f"other {name}"

@@ -1,0 +1,195 @@
+"""Recording: a simulation whose samples go to a file while it runs, so that memory stays flat and it can go on."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+
+from .checkpoint import checkpoint_of, describe_run, read_checkpoint, write_checkpoint
+from .equilibrium import Equilibrium, Vector, find_equilibrium
+from .extremes import MeshExtremes
+from .integration import Integration, Outcome
+from .library import Library
+from .march import Snapshot
+from .part import Part, part_of
+from .reading import Reader, Rows, by_quantity
+from .results import check_target, make_dataset
+from .sampling import Block
+from .signals import Pairs
+from .simulation import (
+    DEFAULT_METHOD,
+    DEFAULT_RTOL,
+    check_length,
+    check_options,
+    list_settings,
+    summarise,
+    to_attributes,
+)
+from .statistics import between_samples
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+UNDER_WAY = "not finished; `ltcgear simulate` with the same arguments and --resume goes on"
+
+
+def check_resumable(target: Path) -> None:
+    """Refuse to go on where nothing was left to go on from, before anything is computed."""
+    for path in (checkpoint_of(target), part_of(target)):
+        if not path.is_file():
+            raise LtcgearError(f"{path}: not there, so there is nothing to go on from; leave out --resume")
+
+
+def record(
+    library: Library,
+    values: Mapping[str, float],
+    target: Path,
+    *,
+    t_end: float,
+    rate: float,
+    method: str = DEFAULT_METHOD,
+    rtol: float = DEFAULT_RTOL,
+    oversample: int = 1,
+    attributes: Mapping[str, Any] | None = None,
+    told: Callable[[float], None] = lambda t: None,
+    tables: Mapping[str, Pairs] | None = None,
+    resume: bool = False,
+) -> dict[str, Any]:
+    """Simulate from the loaded equilibrium into a NetCDF4 file.
+
+    While it runs, samples go to ``NAME.part.nc`` and all that it takes to go on to ``NAME.checkpoint.npz``.
+    Both outlast a killed program, and a run that Ctrl-C stopped; else they are deleted.
+
+    Parameters
+    ----------
+    target
+        The result file, ``NAME.nc``.
+    resume
+        Go on from the checkpoint; the result is to the last bit that of a run that was never stopped.
+
+    Other parameters are those of ``simulate``.
+
+    Returns
+    -------
+    dict
+        The summary, as ``simulate`` gives it.
+
+    Raises
+    ------
+    SolverError
+        If there is no equilibrium to start from. A failure later on is ``status`` in the summary.
+    LtcgearError
+        If a file cannot be written, or the checkpoint is missing, damaged or of another run.
+    """
+    check_options(method, rtol, t_end)
+    check_length(t_end * rate)
+    check_target(target)
+    settings = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol}
+    run = describe_run(library, values, tables or {}, settings | {"oversample": oversample})
+    if resume:
+        check_resumable(target)
+    kept = read_checkpoint(target, run) if resume else None
+    p, clock = library.parameters(values), perf_counter()
+    at = _equilibrium_of(kept) if kept else find_equilibrium(library, p, tables=tables)
+    seconds = {"equilibrium": perf_counter() - clock}
+    about = list_settings(library, method, rtol, oversample)
+    options: dict[str, Any] = settings | {"rate": rate * oversample, "tables": tables}
+    integration = Integration(library, p, at, **options)
+    recorder = Recorder(library, p, target, rate, oversample, to_attributes(attributes, about), kept)
+    if kept:
+        integration.restore(kept)
+    start = {f"at.{name}": np.array(value) for name, value in asdict(at).items()}
+    with recorder.part:
+        outcome = integration.proceed(
+            recorder.take,
+            told,
+            lambda: write_checkpoint(target, run, integration.snapshot() | recorder.snapshot() | start),
+        )
+        forces = recorder.finish(outcome)
+        summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
+        stopped = outcome.status.startswith("interrupted")
+        if stopped:
+            summary["status"] += "; --resume goes on"
+        clock = perf_counter()
+        recorder.seal(to_attributes(attributes, summary), outcome)
+        summary["seconds"]["write"] = perf_counter() - clock
+    if not stopped:
+        checkpoint_of(target).unlink()
+        part_of(target).unlink()
+    return summary
+
+
+class Recorder:
+    """Reads outputs of samples and writes them to a part; remembers what it needs to go on.
+
+    Parameters
+    ----------
+    library, p, target, rate, oversample
+        See ``record``.
+    attributes
+        What the file tells about itself while the run goes on.
+    kept
+        Snapshot to go on from; None begins anew.
+    """
+
+    def __init__(
+        self, library: Library, p: Vector, target: Path, rate: float, oversample: int, attributes: Mapping[str, Any],
+        kept: Snapshot | None,
+    ) -> None:  # fmt: skip
+        self.library, self.rate, self.target = library, rate, target
+        self.reader = Reader(library, p, rate * oversample, oversample)
+        if kept is None:
+            checkpoint_of(target).unlink(missing_ok=True)
+        else:
+            self.reader.restore(kept)
+        heading = self._heading({**attributes, "status": UNDER_WAY})
+        self.part = Part(target, heading, None if kept is None else (int(kept["part.rows"]), int(kept["part.begin"])))
+
+    def take(self, block: Block) -> None:
+        """Read a block and append its rows."""
+        self._append(self.reader.read(block))
+
+    def snapshot(self) -> Snapshot:
+        """Return all that it needs to go on."""
+        return self.reader.snapshot() | {
+            "part.rows": np.array(self.part.rows),
+            "part.begin": np.array(self.part.begin),
+        }
+
+    def finish(self, outcome: Outcome) -> dict[str, Any]:
+        """Append the last rows; return the statistics of the mesh forces."""
+        self._append(self.reader.finish())
+        columns = by_quantity(self.library).get("mesh_force", [])
+        if not columns or self.part.rows < 4:
+            return {}
+        middle = (self.part.rows - 1) / self.rate / 2
+        low, high = outcome.extremes.steady
+        extremes = between_samples(low, high, outcome.extremes.half, middle, self.rate)
+        return self.part.force_sums().statistics([self.library.manifest.reports[i].item for i in columns], *extremes)
+
+    def seal(self, attributes: Mapping[str, Any], outcome: Outcome) -> None:
+        """Write the result."""
+        self.part.seal(self._heading(attributes, outcome.extremes))
+
+    def _append(self, rows: Rows) -> None:
+        self.part.append(make_dataset(self.library, rows))
+
+    def _heading(self, attributes: Mapping[str, Any], extremes: MeshExtremes | None = None) -> "xr.Dataset":
+        """Return the result without any row."""
+        manifest = self.library.manifest
+        sizes = {"values": manifest.reports, "x": manifest.states, "levels": manifest.levels}
+        none: dict[str, Vector] = {name: np.zeros((0, len(items))) for name, items in sizes.items()}
+        heading = make_dataset(self.library, Rows(np.zeros(0, dtype=np.int64), np.zeros(0), **none), extremes)
+        return heading.assign_attrs(attributes)
+
+
+def _equilibrium_of(kept: Snapshot) -> Equilibrium:
+    """Return the equilibrium that a run started from."""
+    parts: dict[str, Any] = {name.removeprefix("at."): v for name, v in kept.items() if name.startswith("at.")}
+    return Equilibrium(
+        parts["x"], parts["levels"], float(parts["residual"]), int(parts["iterations"]), parts["signals"]
+    )

@@ -1,0 +1,185 @@
+"""Streaming: a result written while it is computed is the one in memory; memory stays flat; few samples."""
+
+import os
+import signal
+import tracemalloc
+
+import numpy as np
+import pytest
+from ltcgear.runtime import integration, sampling, stepper
+from ltcgear.runtime.reading import Reader, by_quantity, join_rows, sampled
+from ltcgear.runtime.recording import record
+from ltcgear.runtime.results import load
+from ltcgear.runtime.sampling import Block
+from ltcgear.runtime.simulation import simulate
+from scipy.signal import decimate
+
+from .models import case
+
+TIMES = {"seconds", "real_time_factor"}
+SMOOTH = 'effects.mesh_stiffness = "fourier"'
+
+
+def write(c, target, **options):
+    options = {"t_end": 0.05, "rate": 20e3, "tables": c.model.tables} | options
+    return record(c.library, c.model.values(), target, **options)
+
+
+def keep(c, **options):
+    options = {"t_end": 0.05, "rate": 20e3, "tables": c.model.tables} | options
+    return simulate(c.library, c.model.values(), **options)
+
+
+def assert_same(one, two):
+    """Let two results be equal to the last bit."""
+    assert set(one.variables) == set(two.variables)
+    for name in one.variables:
+        assert one[name].dims == two[name].dims
+        assert one[name].dtype.kind == two[name].dtype.kind
+        assert one[name].shape == two[name].shape
+        same = one[name].values == two[name].values
+        assert (same | (one[name].isnull() & two[name].isnull()).values).all(), name
+        assert dict(one[name].attrs) == dict(two[name].attrs), name
+
+
+def told(summary):
+    """What a summary tells besides seconds."""
+    return {key: value for key, value in summary.items() if key not in TIMES}
+
+
+# --- the file
+
+
+@pytest.mark.parametrize("oversample", [1, 4])
+@pytest.mark.parametrize("settings", [(), (SMOOTH,)], ids=["jumps", "smooth"])
+def test_a_streamed_result_is_the_one_in_memory(tmp_path, monkeypatch, settings, oversample):
+    monkeypatch.setattr(sampling, "BLOCK", 150)
+    monkeypatch.setattr(integration, "MARK_SECONDS", 0.0)
+    c = case("psh", *settings)
+    summary = write(c, tmp_path / "a.nc", oversample=oversample, attributes={"scene": "psh"})
+    monkeypatch.setattr(sampling, "BLOCK", 10**9)
+    monkeypatch.setattr(integration, "MARK_SECONDS", np.inf)
+    kept = keep(c, oversample=oversample, attributes={"scene": "psh"})
+    found = load(tmp_path / "a.nc")
+    assert found.sizes["time"] == 1001
+    assert np.ptp(found["mesh_force"].values) > 1e3
+    assert_same(found, kept.dataset)
+    assert told(summary) == told(kept.summary)
+    assert {k: v for k, v in found.attrs.items() if k not in TIMES} == {
+        k: v for k, v in kept.dataset.attrs.items() if k not in TIMES
+    }
+    assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
+
+
+def test_a_failed_run_keeps_its_samples_and_leaves_nothing_to_go_on_from(tmp_path, monkeypatch):
+    c = case("psh")
+    monkeypatch.setattr(stepper, "MOST_STEPS", 2)
+    summary = write(c, tmp_path / "a.nc", method="cvodes")
+    assert summary["status"].startswith("cvodes stopped at t = ")
+    found = load(tmp_path / "a.nc")
+    assert found.attrs["status"] == summary["status"]
+    assert found.sizes["time"] >= 1
+    assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
+
+
+def test_memory_stays_flat(tmp_path, monkeypatch):
+    c = case("psh")
+    monkeypatch.setattr(sampling, "BLOCK", 300)
+
+    def peak(call, t_end):
+        tracemalloc.start()
+        call(t_end)
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found
+
+    def stream(t_end):
+        write(c, tmp_path / "a.nc", t_end=t_end, oversample=2)
+
+    stream(0.05)  # what is made once
+    assert peak(stream, 0.5) < 1.1 * peak(stream, 0.1)
+    assert peak(lambda t_end: keep(c, t_end=t_end, oversample=2), 0.5) > 2 * peak(stream, 0.5)
+
+
+# --- reading block by block
+
+
+def whole_filter(c, path, oversample):
+    """Accelerations along x by SciPy's own decimation of the whole run, mirrored at its ends."""
+    values = sampled(c.library, path, c.p, 1).values
+    columns = by_quantity(c.library)["velocity_x"]
+    mean = np.gradient(values[:, columns], path.time, axis=0)
+    longer = np.pad(mean, ((32 * oversample,) * 2, (0, 0)), mode="reflect")
+    return decimate(longer, oversample, ftype="fir", axis=0, zero_phase=True)[32:-32]
+
+
+@pytest.mark.parametrize("count", [64 * 3 - 2, 64 * 3 - 1, 700, 701, 702])
+def test_blocks_of_any_size_read_alike(count):
+    c = case("psh")
+    path = c.run(method="erk", rtol=1e-6, rate=30e3, t_end=0.03)
+    cut = {name: getattr(path, name)[:count] for name in ("time", "x", "levels", "signals", "phi", "turns")}
+    whole = sampled(c.library, Block(**cut), c.p, 3)
+    generator = np.random.default_rng(count)
+    for longest in (2, 40, 300):
+        reader, rows, first = Reader(c.library, c.p, 30e3, 3), [], 0
+        while first < count:
+            last = first + generator.integers(1, longest)
+            rows.append(reader.read(Block(**{name: v[first:last] for name, v in cut.items()})))
+            first = last
+        if longest < count / 2:
+            assert sum(len(r.index) for r in rows[:-1]) > 0 or count < 64 * 3
+        found = join_rows([*rows, reader.finish()])
+        assert (found.index == np.arange(0, count, 3)).all()
+        assert (found.values == whole.values).all()
+        assert (found.x == path.x[:count:3]).all()
+    acceleration = whole.values[:, by_quantity(c.library)["acceleration_x"]]
+    plain = sampled(c.library, path, c.p, 1).values[:count:3, by_quantity(c.library)["acceleration_x"]]
+    if len(whole.index) < 64:
+        assert (acceleration == plain).all()
+    else:
+        wanted = whole_filter(c, Block(**cut), 3)
+        assert np.abs(acceleration - wanted).max() < 1e-9 * np.abs(wanted).max()
+        assert np.abs(acceleration - plain).max() > 1e-3 * np.abs(plain).max()
+
+
+# --- few samples
+
+
+def test_few_samples_are_those_of_many(monkeypatch):
+    c = case("psh", SMOOTH)
+    many = c.run(method="erk", rtol=1e-8, rate=20e3, t_end=0.8)
+    monkeypatch.setattr(stepper, "MOST_STEPS", 20_000)
+    few = c.run(method="erk", rtol=1e-8, rate=2.5, t_end=0.8)
+    assert few.status == "done"
+    assert few.counts.steps > 3 * 20_000  # so many that no engine goes from sample to sample at once
+    assert few.time == pytest.approx([0, 0.4, 0.8])
+    forces = c.mesh_forces(many)
+    assert np.abs(c.mesh_forces(few) - forces[::8000]).max() < 1e-4 * np.ptp(forces)
+
+
+def test_few_samples_between_jumps_are_those_of_many():
+    c = case("psh")
+    many, few = (c.run(method="erk", rtol=1e-8, rate=rate, t_end=0.3) for rate in (20e3, 10.0))
+    assert few.counts == many.counts
+    assert (few.levels == many.levels[::2000]).all()
+    assert np.abs(few.x - many.x[::2000]).max() <= 1e-12 * np.abs(many.x).max()
+
+
+@pytest.mark.parametrize("samples", [1, 255, 257, 300, 1003, 5000])
+def test_no_more_is_integrated_than_asked_for(samples):
+    c = case("psh", SMOOTH)
+    run = integration.Integration(c.library, c.p, c.at, t_end=samples / 50e3, rate=50e3, method="erk", rtol=1e-4)
+    blocks = []
+    assert run.proceed(blocks.append).status == "done"
+    assert sum(len(block.time) for block in blocks) == samples + 1
+    assert run.march.time * 50e3 < samples + 1 + samples / 256
+
+
+def test_ctrl_c_stops_between_segments():
+    c = case("psh")
+    before = signal.getsignal(signal.SIGINT)
+    path = c.run(method="erk", rate=20e3, t_end=10.0, told=lambda t: os.kill(os.getpid(), signal.SIGINT))
+    assert path.status.startswith("interrupted at t = ")
+    assert 0 < path.end < 0.01
+    assert abs(path.time[-1] - path.end) < 1 / 20e3
+    assert signal.getsignal(signal.SIGINT) is before
