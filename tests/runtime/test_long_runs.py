@@ -5,7 +5,7 @@ import pytest
 from ltcgear.runtime.clocks import TURN, Clocks
 from ltcgear.runtime.equilibrium import Equilibrium
 from ltcgear.runtime.march import March
-from ltcgear.runtime.reading import outputs_of
+from ltcgear.runtime.reading import outputs_of, sampled
 from ltcgear.runtime.results import make_dataset
 from ltcgear.runtime.statistics import mesh_frequencies
 
