@@ -12,6 +12,7 @@ from .scaling import fastest, vibration_scale
 from .signals import Signals
 from .stepper import MULTISTEP, Frame, make_stepper
 from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
+from .watch import Watch
 
 Vector = NDArray[np.float64]
 
@@ -26,7 +27,8 @@ class March:
         self.library, self.p, self.at, self.signals = library, p, at, signals
         self.frame = Frame(at.x, vibration_scale(library, at, p))
         self.nodes, self.longest = self._layout(method, samples, rate)
-        self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:])
+        self.watch = Watch(library, p)
+        self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:], self.watch)
         self.phase_kernel, self.energy_kernel = (
             Kernel(library.functions["phases"]),
             Kernel(library.functions["energy"]),
@@ -78,13 +80,17 @@ class March:
         if self.speed is not None:
             gain = (self.phases(self.z, signals + slope * most).rate - now.rate) / most
             self._stand(now, gain, signals)
-        levels, duration = levels_of(self.cells), min(time_to_border(self.cells, now, gain), most)
+        levels, duration = levels_of(self.cells), most
+        if not self.stepper.finds_borders:
+            duration = min(time_to_border(self.cells, now, gain), most)
+        self.watch.cells = self.cells
         if duration <= 0:
             raise RuntimeError("two switching instants of one mesh fall together; check its contact ratio")
         s = np.concatenate([levels, signals])
         for _ in range(20):
             arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
-            times = arc.duration * self.nodes.points
+            duration = arc.duration
+            times = duration * self.nodes.points
             path = self._on_course(arc.z, times, signals, slope)
             after = self.phases(path[-1], signals + slope * duration)
             cells, part = crossed(self.cells, now, after)

@@ -5,7 +5,6 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from difflib import get_close_matches
 from importlib.metadata import version
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -20,7 +19,7 @@ from .results import energy_residual, make_dataset
 from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics, steady_start
-from .stepper import METHODS
+from .stepper import check_method
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,10 +32,7 @@ WRONG = 1e-2
 
 def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
     """Refuse options that no integrator can serve, before anything is computed."""
-    if method not in METHODS:
-        near = get_close_matches(method, METHODS, 1)
-        hint = f'did you mean "{near[0]}"?' if near else f"there are {', '.join(METHODS)}"
-        raise LtcgearError(f"method {method!r}: unknown; {hint}")
+    check_method(method)
     if not 1e-13 <= rtol <= 0.1:
         raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
