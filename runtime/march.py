@@ -10,11 +10,16 @@ from .library import Library
 from .nodes import Chebyshev, Nodes, Uniform
 from .scaling import fastest, vibration_scale
 from .signals import Signals
-from .stepper import MULTISTEP, Frame, make_stepper
+from .stepper import MULTISTEP, Arc, Frame, make_stepper
 from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
 from .watch import Watch
 
 Vector = NDArray[np.float64]
+LONGEST = 4096
+"""By how much a segment may outgrow the one that resolves the fastest mode: found again in 12 halvings."""
+
+UNRESOLVED = (1.0, 10.0)
+"""What a segment's nodes may miss, over rtol: one-step methods, multistep methods, whose own errors are larger."""
 
 
 class March:
@@ -27,6 +32,8 @@ class March:
         self.library, self.p, self.at, self.signals = library, p, at, signals
         self.frame = Frame(at.x, vibration_scale(library, at, p))
         self.nodes, self.longest = self._layout(method, samples, rate)
+        self.shortest = self.first = self.longest
+        self.unresolved, self.fresh = UNRESOLVED[method in MULTISTEP] * rtol, True
         self.watch = Watch(library, p)
         self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:], self.watch)
         self.phase_kernel, self.energy_kernel = (
@@ -47,8 +54,8 @@ class March:
     def _layout(self, method: str, samples: int, rate: float) -> tuple[Nodes, float]:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
-        A segment between switchings is so short that the fastest mode turns by 8 rad between 17 nodes, or
-        16 rad between 25, at most; polynomials through them are right to 1e-9 then.
+        A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
+        1e-9 whatever moves. Segments begin with that length, and grow where the fastest modes are at rest.
         """
         if not self.library.manifest.levels and not self.library.manifest.signals:
             block = min(256, samples)
@@ -90,6 +97,9 @@ class March:
         for _ in range(20):
             arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
             duration = arc.duration
+            if not self._resolved(arc):
+                duration = self.longest
+                continue
             times = duration * self.nodes.points
             path = self._on_course(arc.z, times, signals, slope)
             after = self.phases(path[-1], signals + slope * duration)
@@ -105,8 +115,26 @@ class March:
         )
         self.time = knot if duration == knot - self.time else self.time + duration
         self.work, self.z = self.work + float(arc.work[-1]), path[-1].copy()
+        self.fresh = False
         self._switch(cells, signals + slope * duration)
         return duration, path, levels
+
+    def _resolved(self, arc: Arc) -> bool:
+        """Say whether a segment's nodes resolve its motion to the tolerance; longer and shorter ones follow from it.
+
+        What a polynomial through the nodes leaves out is about as large as its last terms.
+        """
+        if isinstance(self.nodes, Uniform):
+            return True
+        left_out = np.abs(self.nodes.last_terms @ arc.z).max(axis=0)
+        error = float((left_out / np.maximum(np.abs(arc.z).max(axis=0), 1.0)).max()) / self.unresolved
+        factor = float(np.clip((0.1 / max(error, 1e-12)) ** (1 / len(self.nodes.points)), 0.25, 4.0))
+        resolved = error <= 1.0 or arc.duration <= self.shortest
+        if not resolved or arc.duration > 0.99 * self.longest:
+            self.longest = float(np.clip(factor * arc.duration, self.shortest, LONGEST * self.shortest))
+            if self.fresh:
+                self.first = self.longest
+        return resolved
 
     def _rates(self, slope: Vector) -> Vector:
         """Return the rates of levels and signals."""
@@ -155,3 +183,4 @@ class March:
             self.jump_energy += self.energy(self.z, cells, signals) - before
             self.stepper.counts.events += int(np.abs(cells - self.cells).sum())
             self.cells = cells
+            self.longest, self.fresh = min(self.first, self.longest), True
