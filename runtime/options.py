@@ -30,7 +30,7 @@ EndTime = Annotated[
     float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")
 ]
 PaperEnd = Annotated[float, typer.Option("--t-end", help=f"Time to simulate [s], {SHORTEST_PAPER} at least.")]
-Method = Annotated[str, typer.Option("--method", help="erk, cvodes, idas or rosenbrock.")]
+Method = Annotated[str, typer.Option("--method", help="auto, erk, rosenbrock, cvodes, adams, idas or sundae.")]
 Oversample = Annotated[
     int, typer.Option("--oversample", min=1, max=64, help="Samples per sample kept; filters accelerations.")
 ]

@@ -266,7 +266,8 @@ def simulated(data: Data) -> None:
     for line in data["warnings"]:
         console.print(f"[yellow]warning[/]: {escape(line)}")
     counts = data["counts"]
-    by = "" if counts["expected_events"] is None else f" ({counts['expected_events']} by kinematics)"
+    expected = counts["expected_events"]
+    by = "" if expected is None else ", as kinematics calls for" if expected == counts["events"] else f", not {expected}"
     console.print(
         f"{data['method']} on {data['engine']}, rtol {data['rtol']:g}: {data['simulated_s']:.6g} s simulated, "
         f"{pace(data['real_time_factor'])}\n"
@@ -275,6 +276,8 @@ def simulated(data: Data) -> None:
         f"energy balance open by {abs(data['energy_residual']):.1e} of the strain energy\n"
         f"seconds: {_seconds(data['seconds'])}"
     )
+    if data["why"]:
+        console.print(f"{data['method']}, since {data['why']}")
 
 
 def costs(data: Data) -> None:

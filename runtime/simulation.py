@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.errors import LtcgearError
 
+from .choice import Choice, choose
 from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import Trajectory, integrate
 from .kernel import Kernel
@@ -24,7 +25,9 @@ from .stepper import check_method
 if TYPE_CHECKING:
     import xarray as xr
 
-DEFAULT_METHOD = "erk"
+AUTO = "auto"
+"""In place of a method: let ``choose`` take one."""
+DEFAULT_METHOD = AUTO
 DEFAULT_RTOL = 1e-6
 WRONG = 1e-2
 """Energy missing over the strain energy from which a run is warned about."""
@@ -32,7 +35,8 @@ WRONG = 1e-2
 
 def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
     """Refuse options that no integrator can serve, before anything is computed."""
-    check_method(method)
+    if method != AUTO:
+        check_method(method)
     if not 1e-13 <= rtol <= 0.1:
         raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
@@ -84,7 +88,8 @@ def simulate(
     t_end, rate
         Time to simulate [s] and samples a second [Hz].
     method, rtol
-        Integrator (see ``stepper.METHODS``) and its relative tolerance, which refers to vibrations.
+        Integrator (see ``stepper.METHODS``; ``auto`` chooses one, see ``choice``) and its relative tolerance,
+        which refers to vibrations.
     oversample
         Samples taken for each one kept; above 1, accelerations are low-pass filtered before.
     attributes
@@ -105,6 +110,8 @@ def simulate(
     clock = perf_counter()
     at = find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
+    choice = choose(library, at, p, rtol) if method == AUTO else Choice(method, None)
+    method = choice.method
     path = integrate(
         library, p, at, t_end=t_end, rate=rate * oversample, method=method, rtol=rtol, told=told, tables=tables
     )
@@ -112,7 +119,7 @@ def simulate(
     clock = perf_counter()
     dataset = make_dataset(library, p, path, oversample)
     seconds["outputs"] = perf_counter() - clock
-    settings = {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
+    settings = {"method": method, "why": choice.why, "engine": library.engine, "rtol": rtol, "oversample": oversample}
     summary = settings | _outcome(library, p, at, path, dataset) | {"seconds": seconds}
     told_in_file = {**_versions(), **(attributes or {}), **summary}
     del told_in_file["forces"]

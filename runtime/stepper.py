@@ -98,7 +98,7 @@ def check_method(method: str) -> None:
     """Refuse a method that there is not, or whose package is not installed."""
     if method not in METHODS:
         near = get_close_matches(method, METHODS, 1)
-        hint = f'did you mean "{near[0]}"?' if near else f"there are {', '.join(METHODS)}"
+        hint = f'did you mean "{near[0]}"?' if near else f"there are auto, {', '.join(METHODS)}"
         raise LtcgearError(f"method {method!r}: unknown; {hint}")
     module = OPTIONAL.get(method)
     if module is not None and find_spec(module) is None:

@@ -32,7 +32,7 @@ def simulate(
     scene: SceneName,
     output: ResultFile = None,
     t_end: EndTime = None,
-    method: Method = "erk",
+    method: Method = "auto",
     rtol: Tolerance = 1e-6,
     oversample: Oversample = 1,
     changes: Changes = None,
@@ -114,9 +114,9 @@ def cost(
     """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
     from ..cost import ROUNDS, measure_costs
     from ..cost_figure import check_figure, draw_costs
-    from ..simulation import DEFAULT_METHOD, check_options
+    from ..simulation import check_options
 
-    check_options(DEFAULT_METHOD, rtol, t_end)
+    check_options("erk", rtol, t_end)
     if output is not None:
         check_figure(output)
     opened = open_scene(scene, changes)
