@@ -267,7 +267,9 @@ def simulated(data: Data) -> None:
         console.print(f"[yellow]warning[/]: {escape(line)}")
     counts = data["counts"]
     expected = counts["expected_events"]
-    by = "" if expected is None else ", as kinematics calls for" if expected == counts["events"] else f", not {expected}"
+    by = (
+        "" if expected is None else ", as kinematics calls for" if expected == counts["events"] else f", not {expected}"
+    )
     console.print(
         f"{data['method']} on {data['engine']}, rtol {data['rtol']:g}: {data['simulated_s']:.6g} s simulated, "
         f"{pace(data['real_time_factor'])}\n"
@@ -278,6 +280,20 @@ def simulated(data: Data) -> None:
     )
     if data["why"]:
         console.print(f"{data['method']}, since {data['why']}")
+    if "accuracy" in data:
+        console.print(escape(_accuracy(data["accuracy"])))
+
+
+def _accuracy(data: Data) -> str:
+    """Write the estimate of accuracy, that of the worst mesh."""
+    if data["reason"]:
+        return f"accuracy of mesh forces not estimated: {data['reason']}"
+    error = data["meshes"][data["worst"]]
+    parts = (
+        f"{_number(error[f'rms_over_{size}'], '.1e')} rms and {_number(error[f'peak_over_{size}'], '.1e')} peak of the {size}"
+        for size in ("vibration", "mean")
+    )
+    return f"mesh forces are off by {', '.join(parts)} ({data['worst']}, the worst; first {data['window_s']:.3g} s)"
 
 
 def costs(data: Data) -> None:

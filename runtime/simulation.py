@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.errors import LtcgearError
 
+from .accuracy import estimate_accuracy
 from .choice import Choice, choose
 from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import Trajectory, integrate
@@ -76,6 +77,7 @@ def simulate(
     attributes: Mapping[str, Any] | None = None,
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
+    verify: bool = False,
 ) -> Result:
     """Simulate from the loaded equilibrium.
 
@@ -98,6 +100,8 @@ def simulate(
         Called with the simulated time now and then.
     tables
         Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
+    verify
+        Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
 
     Raises
     ------
@@ -119,8 +123,15 @@ def simulate(
     clock = perf_counter()
     dataset = make_dataset(library, p, path, oversample)
     seconds["outputs"] = perf_counter() - clock
+    accuracy = {}
+    if verify:
+        clock = perf_counter()
+        accuracy["accuracy"] = estimate_accuracy(
+            library, p, at, t_end=path.end, rate=rate, method=method, rtol=rtol, tables=tables
+        )
+        seconds["verify"] = perf_counter() - clock
     settings = {"method": method, "why": choice.why, "engine": library.engine, "rtol": rtol, "oversample": oversample}
-    summary = settings | _outcome(library, p, at, path, dataset) | {"seconds": seconds}
+    summary = settings | _outcome(library, p, at, path, dataset) | accuracy | {"seconds": seconds}
     told_in_file = {**_versions(), **(attributes or {}), **summary}
     del told_in_file["forces"]
     dataset.attrs |= {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in told_in_file.items()}

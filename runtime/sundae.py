@@ -47,9 +47,7 @@ class SundaeStepper:
 
     finds_borders = True
 
-    def __init__(
-        self, library: Library, rtol: float, frame: Frame, p: Vector, nodes: Vector, watch: Watch
-    ) -> None:
+    def __init__(self, library: Library, rtol: float, frame: Frame, p: Vector, nodes: Vector, watch: Watch) -> None:
         self.counts, self.frame, self.nodes, self.watch = Counts(), frame, nodes, watch
         self.levels, self.size = len(library.manifest.levels), len(frame.scale)
         problem = scaled_problem(library, library.functions, ca.MX)

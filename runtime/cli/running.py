@@ -21,6 +21,7 @@ from ..options import (
     ResultFolder,
     SceneName,
     Tolerance,
+    Verify,
 )
 from ..progress import progress
 from .app import InterruptedRunError, app
@@ -35,11 +36,12 @@ def simulate(
     method: Method = "auto",
     rtol: Tolerance = 1e-6,
     oversample: Oversample = 1,
+    verify: Verify = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4."""
-    summary = run(scene, changes, output, t_end, method, rtol, oversample)
+    summary = run(scene, changes, output, t_end, method, rtol, oversample, verify)
     present.show(as_json, summary, present.simulated)
     _finished(summary)
 
@@ -68,6 +70,7 @@ def run(
     method: str,
     rtol: float,
     oversample: int,
+    verify: bool = False,
 ) -> dict[str, Any]:
     """Simulate a scene and write its result; return the summary."""
     from ..results import save
@@ -93,6 +96,7 @@ def run(
             attributes=about | {"scene_json": opened.scene.model_dump_json()},
             told=told,
             tables=opened.model.tables,
+            verify=verify,
         )
     seconds = opened.seconds | result.summary["seconds"]
     if output is not None:
