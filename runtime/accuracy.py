@@ -18,7 +18,7 @@ WINDOW = 4096
 PARTS = 8
 """Parts of the window whose differences are compared with each other."""
 GROWTH = 10.0
-"""Growth of the difference from the second to the last quarter by which runs part; growing with time squared it is 4."""
+"""Growth of the difference from the second to the last quarter by which runs part; with time squared it is 4."""
 PARTED = 0.3
 """Difference over the vibration from which two runs are no longer the same motion."""
 STILL = 1e-6

@@ -289,10 +289,11 @@ def _accuracy(data: Data) -> str:
     if data["reason"]:
         return f"accuracy of mesh forces not estimated: {data['reason']}"
     error = data["meshes"][data["worst"]]
-    parts = (
-        f"{_number(error[f'rms_over_{size}'], '.1e')} rms and {_number(error[f'peak_over_{size}'], '.1e')} peak of the {size}"
+    numbers = {key: _number(value, ".1e") for key, value in error.items()}
+    parts = [
+        f"{numbers[f'rms_over_{size}']} rms and {numbers[f'peak_over_{size}']} peak of the {size}"
         for size in ("vibration", "mean")
-    )
+    ]
     return f"mesh forces are off by {', '.join(parts)} ({data['worst']}, the worst; first {data['window_s']:.3g} s)"
 
 
