@@ -124,7 +124,7 @@ class March:
 
         What a polynomial through the nodes leaves out is about as large as its last terms.
         """
-        if isinstance(self.nodes, Uniform):
+        if not isinstance(self.nodes, Chebyshev):
             return True
         left_out = np.abs(self.nodes.last_terms @ arc.z).max(axis=0)
         error = float((left_out / np.maximum(np.abs(arc.z).max(axis=0), 1.0)).max()) / self.unresolved
