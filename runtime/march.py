@@ -130,6 +130,8 @@ class March:
         error = float((left_out / np.maximum(np.abs(arc.z).max(axis=0), 1.0)).max()) / self.unresolved
         factor = float(np.clip((0.1 / max(error, 1e-12)) ** (1 / len(self.nodes.points)), 0.25, 4.0))
         resolved = error <= 1.0 or arc.duration <= self.shortest
+        if not resolved:
+            factor = min(factor, 0.5)
         if not resolved or arc.duration > 0.99 * self.longest:
             self.longest = float(np.clip(factor * arc.duration, self.shortest, LONGEST * self.shortest))
             if self.fresh:

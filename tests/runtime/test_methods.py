@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import stepper
-from ltcgear.runtime.march import March
+from ltcgear.runtime.march import LONGEST, March
 from ltcgear.runtime.signals import Signals
 from ltcgear.runtime.simulation import check_options
 from ltcgear.runtime.stepper import METHODS
@@ -115,3 +115,13 @@ def test_segments_grow_where_the_fastest_mode_rests():
     assert path.status == "done"
     forces, better = stiff.mesh_forces(path), stiff.mesh_forces(fine)
     assert (np.abs(forces - better).max(axis=0) / better.std(axis=0)).max() < 3e-3
+
+
+def test_a_segment_that_its_nodes_do_not_resolve_is_integrated_again():
+    c = case("lsp", 'stages.lsp.ring.bearing.stiffness = "2.6e15 N/m"')
+    march = March(c.library, c.p, c.at, "erk", 1e-6, 819, 8192.0, Signals((), {}))
+    march.longest = LONGEST * march.shortest
+    duration, path, _ = march.segment(0.1)
+    left_out = np.abs(march.nodes.last_terms @ path).max(axis=0) / np.maximum(np.abs(path).max(axis=0), 1.0)
+    assert march.shortest <= duration < 60 * march.shortest
+    assert left_out.max() <= 1e-6
