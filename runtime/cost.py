@@ -16,7 +16,7 @@ from .kernel import Kernel
 from .library import Library
 from .scaling import LOADED
 from .signals import Pairs
-from .simulation import DEFAULT_METHOD, Result, simulate
+from .simulation import Result, simulate
 from .statistics import group_of, mesh_statistics, stage_of, steady_start, window
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def measure_costs(
     t_end: float,
     rate: float,
     rtol: float,
-    method: str = DEFAULT_METHOD,
+    method: str = "erk",
     told: Callable[[float], None] = lambda t: None,
 ) -> list[dict[str, Any]]:
     """Run variants of a model in turn and compare them with the first.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .arcs import Arc, Frame
 from .clocks import TURN, Clocks
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
@@ -16,20 +17,25 @@ from .nodes import Chebyshev, Nodes, Uniform
 from .regimes import Regimes, Sides
 from .scaling import fastest, vibration_scale
 from .signals import Signals
-from .stepper import MULTISTEP, Arc, Frame, make_stepper
+from .stepper import MULTISTEP, make_stepper
 from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
+from .watch import Watch
 
 Vector = NDArray[np.float64]
 MOST_TURNS = 16
 """Turns of the reference in a block of samples, at whose end whole turns are taken off its angle."""
 Snapshot = dict[str, NDArray[np.generic]]
 KEPT = (
-    "z", "time", "unpassed", "turns", "work", "jump_energy", "first_energy", "longest", "cells", "last_turn",
-    "expected", "reversed",
+    "z", "time", "unpassed", "turns", "work", "jump_energy", "first_energy", "longest", "first", "fresh", "cells",
+    "last_turn", "expected", "reversed",
 )  # fmt: skip
 """All that a march remembers from segment to segment, besides parameters, sides, counts, extremes and the last step."""
 WIDEST = 1000.0
 """Angle [rad] by which the fastest mode turns at most between two nodes where nothing switches or bends."""
+LONGEST = 4096
+"""By how much a segment may outgrow the one that resolves the fastest mode: found again in 12 halvings."""
+UNRESOLVED = (1.0, 10.0)
+"""What a segment's nodes may miss, over rtol: one-step methods, multistep methods, whose own errors are larger."""
 
 
 class March:
@@ -50,7 +56,8 @@ class March:
         self.p = p = self.clocks.parameters(self.turns)
         self.frame = Frame(at.x, vibration_scale(library, at, p))
         self.nodes, self.longest = self._layout(method, samples, rate)
-        self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:])
+        self.shortest = self.first = self.longest
+        self.unresolved, self.fresh = UNRESOLVED[method in MULTISTEP] * rtol, True
         self.phase_kernel, self.energy_kernel = (
             Kernel(library.functions["phases"]),
             Kernel(library.functions["energy"]),
@@ -62,15 +69,17 @@ class March:
         self.last_turn, self.expected, self.reversed = self.cells, 0, False
         s = np.concatenate([levels_of(self.cells), start])
         self.regimes = Regimes(library, self.p, self.frame, self.nodes, rtol, s)
+        self.watch = Watch(self.regimes, self.phase_kernel, self.p, self.cells)
+        self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:], self.watch)
         self.first_energy = self.energy(self.z, self.cells, start)
         self.extremes = MeshExtremes(library, p, len(self.nodes.points), samples / rate)
 
     def _layout(self, method: str, samples: int, rate: float) -> tuple[Nodes, float]:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
-        A segment between switchings is so short that the fastest mode turns by 8 rad between 17 nodes, or
-        16 rad between 25, at most; polynomials through them are right to 1e-9 then. Blocks are equally long, and
-        where samples lie far apart nodes lie between them, so that no engine runs out of steps between two.
+        A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
+        1e-9 whatever moves. Segments begin with that length, and grow where the fastest modes are at rest. Blocks are
+        equally long, and where samples lie far apart nodes lie between them, so that no engine runs out of steps.
         """
         quickest, manifest = fastest(self.library, self.at, self.p), self.library.manifest
         if not (manifest.levels or manifest.signals or manifest.holds):
@@ -133,48 +142,56 @@ class March:
         if self.speed is not None:
             gain = (self.phases(self.z, signals + slope * most).rate - now.rate) / most
             self._stand(now, gain, signals)
-        levels, duration = levels_of(self.cells), min(time_to_border(self.cells, now, gain), most)
+        levels, duration = levels_of(self.cells), most
+        if not self.stepper.finds_borders:
+            duration = min(time_to_border(self.cells, now, gain), most)
+        self.watch.cells = self.cells
         if duration <= 0:
             raise RuntimeError("two switching instants of one mesh fall together; check its contact ratio")
         s = np.concatenate([levels, signals])
         self._settle(s)
-        arc, cells = self._to_border(duration, now, s, slope)
+        arc, cells, sides = self._to_border(duration, now, s, slope)
         times, duration = arc.duration * self.nodes.points, arc.duration
         self.extremes.note(
             self.frame.origin + self.frame.scale * arc.z, self._along(s, times, slope), self.p, self.time + times
         )
+        self._change(sides)
         self._pass(duration, knot)
-        self.work, self.z = self.work + float(arc.work[-1]), arc.z[-1].copy()
+        self.work, self.z, self.fresh = self.work + float(arc.work[-1]), arc.z[-1].copy(), False
         self._switch(cells, signals + slope * duration)
         return duration, arc.z, levels
 
-    def _to_border(self, duration: float, now: Phases, s: Vector, slope: Vector) -> tuple[Arc, Cells]:
-        """Integrate for a duration, or to the first border if that comes before; return the cells after it."""
+    def _to_border(self, duration: float, now: Phases, s: Vector, slope: Vector) -> tuple[Arc, Cells, Sides]:
+        """Integrate for a duration, or to the first border if that comes before; return cells and sides after it."""
         aimed = False
-        for trial in range(20):
+        for trial in range(30):
             arc = self._arc(duration, s, slope)
+            if not self._resolved(arc):
+                duration, aimed = self.longest, False
+                continue
             along = self._along(s, arc.duration * self.nodes.points, slope)
             after = self.phases(arc.z[-1], along[-1, len(self.cells) :])
             cells, part = crossed(self.cells, now, after)
             if aimed:
                 correction, sides = self.regimes.end(arc, along, trial)
                 if correction == 0:
-                    self._change(sides)
                     break
                 duration *= 1 + correction
                 continue
-            first, at_once = self.regimes.cross(arc, along)
-            if (at_once != self.regimes.sides).any():
-                self._change(at_once)
+            first, sides = self.regimes.cross(arc, along)
+            if (sides != self.regimes.sides).any():
+                self._change(sides)
                 continue
             if min(part, first) == 1.0:
+                if arc.duration < duration:  # the engine has met a border
+                    _, sides = self.regimes.end(arc, along, len(arc.z))
                 break
             aimed = first < part
-            duration *= min(part, first)  # go back to the segment's start with a shorter one
+            duration = arc.duration * min(part, first)  # go back to the segment's start with a shorter one
         else:
             raise RuntimeError("a switching instant could not be located in 20 trials")
         self.reversed |= self.speed is None and bool((now.rate * after.rate < 0).any())
-        return arc, cells
+        return arc, cells, sides
 
     def _arc(self, duration: float, s: Vector, slope: Vector) -> Arc:
         """Integrate for a duration with levels and sides held."""
@@ -220,6 +237,25 @@ class March:
         self.z[angle] -= TURN * more / scale[angle]
         self.p[:] = self.clocks.parameters(turns)
         self._renumber()
+
+    def _resolved(self, arc: Arc) -> bool:
+        """Say whether a segment's nodes resolve its motion to the tolerance; longer and shorter ones follow from it.
+
+        What a polynomial through the nodes leaves out is about as large as its last terms.
+        """
+        if not isinstance(self.nodes, Chebyshev):
+            return True
+        left_out = np.abs(self.nodes.last_terms @ arc.z).max(axis=0)
+        error = float((left_out / np.maximum(np.abs(arc.z).max(axis=0), 1.0)).max()) / self.unresolved
+        factor = float(np.clip((0.1 / max(error, 1e-12)) ** (1 / len(self.nodes.points)), 0.25, 4.0))
+        resolved = error <= 1.0 or arc.duration <= self.shortest
+        if not resolved:
+            factor = min(factor, 0.5)
+        if not resolved or arc.duration > 0.99 * self.longest:
+            self.longest = float(np.clip(factor * arc.duration, self.shortest, LONGEST * self.shortest))
+            if self.fresh:
+                self.first = self.longest
+        return resolved
 
     def _rates(self, slope: Vector) -> Vector:
         """Return the rates of levels and signals."""
@@ -268,6 +304,7 @@ class March:
             self.jump_energy += self.energy(self.z, cells, signals) - before
             self.stepper.counts.events += int(np.abs(cells - self.cells).sum())
             self.cells = cells
+            self.longest, self.fresh = min(self.first, self.longest), True
 
 
 def held_speed(library: Library, p: Vector) -> float | None:

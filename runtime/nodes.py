@@ -33,6 +33,15 @@ class Chebyshev:
         return np.asarray((1 - np.cos(np.pi * np.arange(self.count + 1) / self.count)) / 2)
 
     @cached_property
+    def last_terms(self) -> Vector:
+        """Return what takes values at the points to their last two Chebyshev coefficients, shape (2, count + 1)."""
+        angles = np.pi * np.outer([self.count - 1, self.count], np.arange(self.count + 1)) / self.count
+        terms = np.cos(angles) * 2 / self.count
+        terms[:, [0, -1]] /= 2
+        terms[1] /= 2
+        return terms
+
+    @cached_property
     def weights(self) -> Vector:
         """Return the barycentric weights."""
         weights = np.where(np.arange(self.count + 1) % 2 == 0, 1.0, -1.0)

@@ -33,11 +33,14 @@ EndTime = Annotated[
     float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")
 ]
 PaperEnd = Annotated[float, typer.Option("--t-end", help=f"Time to simulate [s], {SHORTEST_PAPER} at least.")]
-Method = Annotated[str, typer.Option("--method", help="erk, cvodes, idas or rosenbrock.")]
+Method = Annotated[str, typer.Option("--method", help="auto, erk, rosenbrock, cvodes, adams, idas or sundae.")]
 Oversample = Annotated[
     int, typer.Option("--oversample", min=1, max=64, help="Samples per sample kept; filters accelerations.")
 ]
 Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it refers to vibrations.")]
+Verify = Annotated[
+    bool, typer.Option("--verify", help="Estimate the accuracy of mesh forces by runs at the tolerance and a tenth.")
+]
 CostEnd = Annotated[float, typer.Option("--t-end", help="Time to simulate each variant [s].")]
 FigureFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Figure to write, .png, .svg or .pdf.", show_default="none")

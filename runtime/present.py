@@ -266,7 +266,10 @@ def simulated(data: Data) -> None:
     for line in data["warnings"]:
         console.print(f"[yellow]warning[/]: {escape(line)}")
     counts = data["counts"]
-    by = "" if counts["expected_events"] is None else f" ({counts['expected_events']} by kinematics)"
+    expected = counts["expected_events"]
+    by = (
+        "" if expected is None else ", as kinematics calls for" if expected == counts["events"] else f", not {expected}"
+    )
     console.print(
         f"{data['method']} on {data['engine']}, rtol {data['rtol']:g}: {data['simulated_s']:.6g} s simulated, "
         f"{pace(data['real_time_factor'])}\n"
@@ -275,6 +278,23 @@ def simulated(data: Data) -> None:
         f"energy balance open by {abs(data['energy_residual']):.1e} of the strain energy\n"
         f"seconds: {_seconds(data['seconds'])}"
     )
+    if data["why"]:
+        console.print(f"{data['method']}, since {data['why']}")
+    if "accuracy" in data:
+        console.print(escape(_accuracy(data["accuracy"])))
+
+
+def _accuracy(data: Data) -> str:
+    """Write the estimate of accuracy, that of the worst mesh."""
+    if data["reason"]:
+        return f"accuracy of mesh forces not estimated: {data['reason']}"
+    error = data["meshes"][data["worst"]]
+    numbers = {key: _number(value, ".1e") for key, value in error.items()}
+    parts = [
+        f"{numbers[f'rms_over_{size}']} rms and {numbers[f'peak_over_{size}']} peak of the {size}"
+        for size in ("vibration", "mean")
+    ]
+    return f"mesh forces are off by {', '.join(parts)} ({data['worst']}, the worst; first {data['window_s']:.3g} s)"
 
 
 def costs(data: Data) -> None:

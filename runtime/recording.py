@@ -10,6 +10,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .checkpoint import checkpoint_of, describe_run, read_checkpoint, write_checkpoint
+from .choice import Choice, choose
 from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .extremes import MeshExtremes
 from .integration import Integration, Outcome
@@ -21,6 +22,7 @@ from .results import check_target, make_dataset
 from .sampling import Block
 from .signals import Pairs
 from .simulation import (
+    AUTO,
     DEFAULT_METHOD,
     DEFAULT_RTOL,
     check_length,
@@ -28,6 +30,7 @@ from .simulation import (
     list_settings,
     summarise,
     to_attributes,
+    verified,
 )
 from .statistics import between_samples
 
@@ -58,6 +61,7 @@ def record(
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
     resume: bool = False,
+    verify: bool = False,
 ) -> dict[str, Any]:
     """Simulate from the loaded equilibrium into a NetCDF4 file.
 
@@ -96,8 +100,9 @@ def record(
     p, clock = library.parameters(values), perf_counter()
     at = _equilibrium_of(kept) if kept else find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
-    about = list_settings(library, method, rtol, oversample)
-    options: dict[str, Any] = settings | {"rate": rate * oversample, "tables": tables}
+    choice = choose(library, at, p, rtol) if method == AUTO else Choice(method, None)
+    about = list_settings(library, choice, rtol, oversample)
+    options: dict[str, Any] = settings | {"rate": rate * oversample, "method": choice.method, "tables": tables}
     integration = Integration(library, p, at, **options)
     recorder = Recorder(library, p, target, rate, oversample, to_attributes(attributes, about), kept)
     if kept:
@@ -111,6 +116,8 @@ def record(
         )
         forces = recorder.finish(outcome)
         summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
+        if verify:
+            summary |= verified(library, p, at, summary, **options | {"rate": rate})
         stopped = outcome.status.startswith("interrupted")
         if stopped:
             summary["status"] += "; --resume goes on"

@@ -11,10 +11,10 @@ from ltcgear.generated.contract import HELD
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from .arcs import Arc, Frame
 from .kernel import Kernel
 from .library import Library
 from .nodes import Nodes
-from .stepper import Arc, Frame
 
 Vector = NDArray[np.float64]
 Sides = NDArray[np.bool_]
@@ -69,7 +69,11 @@ class Regimes:
 
     def inside(self, z: Vector, s: Vector) -> Vector:
         """Return the indicators with the sign that makes them positive on the side that holds."""
-        return np.asarray(np.where(self.sides, 1.0, -1.0) * self._at(z, s))
+        return self.seen(self.frame.origin + self.frame.scale * z, s)
+
+    def seen(self, x: Vector, s: Vector) -> Vector:
+        """Return the same of an unscaled state."""
+        return np.asarray(np.where(self.sides, 1.0, -1.0) * self.one(x, s, self.p)[0])
 
     def hold(self, p: Vector) -> None:
         """Put the sides into parameters."""

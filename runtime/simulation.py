@@ -5,13 +5,14 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from difflib import get_close_matches
 from importlib.metadata import version
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.errors import LtcgearError
 
+from .accuracy import estimate_accuracy
+from .choice import Choice, choose
 from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import Integration, Outcome
 from .kernel import Kernel
@@ -21,12 +22,14 @@ from .results import energy_residual, make_dataset
 from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics, steady_start
-from .stepper import METHODS
+from .stepper import check_method
 
 if TYPE_CHECKING:
     import xarray as xr
 
-DEFAULT_METHOD = "erk"
+AUTO = "auto"
+"""In place of a method: let ``choose`` take one."""
+DEFAULT_METHOD = AUTO
 DEFAULT_RTOL = 1e-6
 WRONG = 1e-2
 """Energy missing over the strain energy from which a run is warned about."""
@@ -34,10 +37,8 @@ WRONG = 1e-2
 
 def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
     """Refuse options that no integrator can serve, before anything is computed."""
-    if method not in METHODS:
-        near = get_close_matches(method, METHODS, 1)
-        hint = f'did you mean "{near[0]}"?' if near else f"there are {', '.join(METHODS)}"
-        raise LtcgearError(f"method {method!r}: unknown; {hint}")
+    if method != AUTO:
+        check_method(method)
     if not 1e-13 <= rtol <= 0.1:
         raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
@@ -82,6 +83,7 @@ def simulate(
     attributes: Mapping[str, Any] | None = None,
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
+    verify: bool = False,
 ) -> Result:
     """Simulate from the loaded equilibrium, and keep all samples in memory (``record`` writes them to a file).
 
@@ -94,7 +96,8 @@ def simulate(
     t_end, rate
         Time to simulate [s] and samples a second [Hz].
     method, rtol
-        Integrator (see ``stepper.METHODS``) and its relative tolerance, which refers to vibrations.
+        Integrator (see ``stepper.METHODS``; ``auto`` chooses one, see ``choice``) and its relative tolerance,
+        which refers to vibrations.
     oversample
         Samples taken for each one kept; above 1, accelerations are low-pass filtered before.
     attributes
@@ -103,6 +106,8 @@ def simulate(
         Called with the simulated time now and then.
     tables
         Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
+    verify
+        Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
 
     Raises
     ------
@@ -116,29 +121,46 @@ def simulate(
     clock = perf_counter()
     at = find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
+    choice = choose(library, at, p, rtol) if method == AUTO else Choice(method, None)
+    settings: dict[str, Any] = {"t_end": t_end, "method": choice.method, "rtol": rtol, "tables": tables}
     reader, rows = Reader(library, p, rate * oversample, oversample), list[Rows]()
-    settings: dict[str, Any] = {
-        "t_end": t_end,
-        "rate": rate * oversample,
-        "method": method,
-        "rtol": rtol,
-        "tables": tables,
-    }
-    integration = Integration(library, p, at, **settings)
+    integration = Integration(library, p, at, rate=rate * oversample, **settings)
     outcome = integration.proceed(lambda block: rows.append(reader.read(block)), told)
     clock = perf_counter()
     dataset = make_dataset(library, join_rows([*rows, reader.finish()]), outcome.extremes)
     outcome.seconds["outputs"] += perf_counter() - clock
     forces = _forces(dataset)
-    about = list_settings(library, method, rtol, oversample)
+    about = list_settings(library, choice, rtol, oversample)
     summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
+    if verify:
+        summary |= verified(library, p, at, summary, rate=rate, **settings)
     dataset.attrs |= to_attributes(attributes, summary)
     return Result(dataset, summary)
 
 
-def list_settings(library: Library, method: str, rtol: float, oversample: int) -> dict[str, Any]:
+def verified(
+    library: Library,
+    p: Vector,
+    at: Equilibrium,
+    summary: Mapping[str, Any],
+    **settings: Any,  # noqa: ANN401
+) -> dict[str, Any]:
+    """Return the accuracy of a run, and its seconds with those that this took."""
+    clock = perf_counter()
+    settings["t_end"] = min(settings["t_end"], summary["simulated_s"])
+    accuracy = estimate_accuracy(library, p, at, **settings)
+    return {"accuracy": accuracy, "seconds": summary["seconds"] | {"verify": perf_counter() - clock}}
+
+
+def list_settings(library: Library, choice: Choice, rtol: float, oversample: int) -> dict[str, Any]:
     """Return how a run is computed."""
-    return {"method": method, "engine": library.engine, "rtol": rtol, "oversample": oversample}
+    return {
+        "method": choice.method,
+        "why": choice.why,
+        "engine": library.engine,
+        "rtol": rtol,
+        "oversample": oversample,
+    }
 
 
 def to_attributes(attributes: Mapping[str, Any] | None, summary: Mapping[str, Any]) -> dict[str, Any]:

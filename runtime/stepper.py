@@ -1,15 +1,17 @@
-"""One segment of smooth motion, by CasADi's integrators behind one interface.
+"""One segment of smooth motion, by several integrators behind one interface.
 
-All integrate z with x = x_ref + S z over the segment's own time 0..1, so that one relative tolerance
-refers to vibrations and not to how far a shaft has turned. ``cvodes`` and ``idas`` run on the compiled
-right-hand side and Jacobian; ``erk`` and ``rosenbrock`` are emitted and compiled whole.
+All integrate z with x = x_ref + S z, so that one relative tolerance refers to vibrations and not to how far a
+shaft has turned; CasADi's over the segment's own time 0..1. ``cvodes``, ``idas`` and ``sundae`` run on the compiled
+right-hand side and Jacobian, ``adams`` on the former alone; ``erk`` and ``rosenbrock`` are emitted and compiled whole.
 """
 
 import ctypes
 import re
 import tempfile
 from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -19,18 +21,26 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
+from .arcs import Arc, Frame
 from .kernel import Kernel
 from .library import Library, load
+from .watch import Watch
 
 Vector = NDArray[np.float64]
 
 METHODS = {
     "erk": "explicit Runge-Kutta 5(4), compiled whole",
     "cvodes": "SUNDIALS CVODES, BDF, on compiled right-hand side and Jacobian",
+    "adams": "SUNDIALS CVODES, Adams, on the compiled right-hand side; for tight tolerances without stiffness",
     "idas": "SUNDIALS IDAS, BDF, on compiled right-hand side and Jacobian",
     "rosenbrock": "L-stable Rosenbrock, compiled whole; for very stiff models",
+    "sundae": "SUNDIALS 7 CVODE, BDF, which finds switchings by itself; for a second opinion",
 }
-MULTISTEP = ("cvodes", "idas")
+PLUGINS = {"adams": "cvodes"}
+"""CasADi's integrator behind a method, where it has another name."""
+MULTISTEP = ("cvodes", "adams", "idas", "sundae")
+OPTIONAL = {"sundae": "sksundae"}
+"""The module that a method needs and that is not always installed."""
 MOST_STEPS = 1_000_000
 CONSTANT = np.zeros(0)
 """Rates of the load signals of a model that has none."""
@@ -49,29 +59,10 @@ class Counts:
     regimes: int = 0
 
 
-@dataclass(frozen=True)
-class Frame:
-    """The affine scaling x = x_ref + S z, shapes (n,)."""
-
-    origin: Vector
-    scale: Vector
-
-
-@dataclass(frozen=True)
-class Arc:
-    """A piece of smooth motion: its duration [s], z and the work done on the system [J] at its nodes.
-
-    Shapes (nodes, n) and (nodes,), the start included. An engine that finds switchings itself may end
-    before the time it was asked for.
-    """
-
-    duration: float
-    z: Vector
-    work: Vector
-
-
 class Stepper(Protocol):
     """Integrates one segment.
+
+    One that ``finds_borders`` is not told when the next switching is due, and ends its arc where it finds it.
 
     Attributes
     ----------
@@ -83,6 +74,7 @@ class Stepper(Protocol):
 
     counts: Counts
     last: float
+    finds_borders: bool
 
     def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
         """Return the motion from z on.
@@ -94,7 +86,20 @@ class Stepper(Protocol):
         """Go on with other parameters, shape (n_p,)."""
 
 
-def make_stepper(library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector) -> Stepper:
+def check_method(method: str) -> None:
+    """Refuse a method that there is not, or whose package is not installed."""
+    if method not in METHODS:
+        near = get_close_matches(method, METHODS, 1)
+        hint = f'did you mean "{near[0]}"?' if near else f"there are auto, {', '.join(METHODS)}"
+        raise LtcgearError(f"method {method!r}: unknown; {hint}")
+    module = OPTIONAL.get(method)
+    if module is not None and find_spec(module) is None:
+        raise LtcgearError(f"method {method!r}: needs a package that is missing; pip install 'ltcgear[{method}]'")
+
+
+def make_stepper(
+    library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector, watch: Watch
+) -> Stepper:
     """Make a stepper.
 
     Parameters
@@ -109,24 +114,34 @@ def make_stepper(library: Library, method: str, rtol: float, frame: Frame, p: Ve
         Scaling.
     nodes
         Output times within a segment, in 0..1 with 1 last, shape (m,).
+    watch
+        The borders of the cells that the motion is in, for a stepper that finds them.
+
+    Raises
+    ------
+    LtcgearError
+        If there is no such method, or its package is not installed.
     """
-    if method not in METHODS:
-        raise LtcgearError(f"method {method!r}: there are {', '.join(METHODS)}")
+    check_method(method)
+    if method == "sundae":
+        from .sundae import SundaeStepper
+
+        return SundaeStepper(library, rtol, frame, p, nodes, watch)
     if method in MULTISTEP or library.path is None:
         return _CasadiStepper(library, method, rtol, frame, p, nodes)
     return _WholeStepper(library, method, rtol, frame, p, nodes)
 
 
-def _layout(library: Library) -> dict[str, int]:
+def layout(library: Library) -> dict[str, int]:
     """Return the sizes of the parts of an integrator's parameter vector, in order."""
     n, s, numbers = (library.functions["rhs"].size1_in(i) for i in range(3))
     signals = len(library.manifest.signals)
     return {"duration": 1, "rtol": 1, "first": 1, "origin": n, "scale": n, "s": s, "slope": signals, "p": numbers}
 
 
-def _problem(library: Library, functions: dict[str, ca.Function], symbol: Any) -> dict[str, Any]:  # noqa: ANN401
+def scaled_problem(library: Library, functions: dict[str, ca.Function], symbol: Any) -> dict[str, Any]:  # noqa: ANN401
     """Write the scaled problem with symbols of one kind (SX inlines, MX calls)."""
-    part = {name: symbol.sym(name, size) for name, size in _layout(library).items()}
+    part = {name: symbol.sym(name, size) for name, size in layout(library).items()}
     z, t = symbol.sym("z", part["scale"].shape[0]), symbol.sym("t")
     x, s = part["origin"] + part["scale"] * z, part["s"]
     if library.manifest.signals:
@@ -142,6 +157,8 @@ def _problem(library: Library, functions: dict[str, ca.Function], symbol: Any) -
 class _Base:
     """What both kinds share: the parameter vector and the call."""
 
+    finds_borders = False
+
     def __init__(self, library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector) -> None:
         self.counts, self.last = Counts(), 0.0
         self.method, self.rtol, self.frame, self.nodes, self.library = method, rtol, frame, nodes, library
@@ -150,7 +167,7 @@ class _Base:
         self.kernel = Kernel(self.function)
         self.part: dict[str, Vector] = {}
         start, vector = 0, self.kernel.arguments[self.function.index_in("p")]
-        for name, length in _layout(library).items():
+        for name, length in layout(library).items():
             self.part[name] = vector[start : start + length]
             start += length
         self.part["rtol"][:], self.part["scale"][:], self.part["p"][:] = rtol, frame.scale, p
@@ -192,10 +209,13 @@ class _CasadiStepper(_Base):
         options: dict[str, Any] = {"reltol": self.rtol, "abstol": self.rtol, "max_num_steps": MOST_STEPS}
         if self.method in MULTISTEP:
             options |= {"linear_solver": "csparse", "show_eval_warnings": False}
+        if self.method == "adams":
+            # Such steps are short enough for iteration without a Jacobian, which costs less than half.
+            options |= {"linear_multistep_method": "adams", "nonlinear_solver_iteration": "functional"}
         symbol = ca.MX if self.method in MULTISTEP else ca.SX
         functions = self.library.functions if symbol is ca.MX else self.library.graphs
-        problem = _problem(self.library, functions, symbol)
-        return ca.integrator("segment", self.method, problem, 0, self.nodes.tolist(), options)
+        problem = scaled_problem(self.library, functions, symbol)
+        return ca.integrator("segment", PLUGINS.get(self.method, self.method), problem, 0, self.nodes.tolist(), options)
 
     def _evaluate(self) -> None:
         """Call the integrator plainly: its statistics belong to the memory of such a call."""
@@ -233,7 +253,7 @@ def whole_c(library: Library, method: str, nodes: Vector) -> str:
     CasADi bakes tolerances in and keeps no statistics in emitted C; four lines are changed for that, and
     each must be found exactly once, since the text is another release's to change.
     """
-    problem = _problem(library, library.graphs, ca.SX)
+    problem = scaled_problem(library, library.graphs, ca.SX)
     function = ca.integrator("segment", method, problem, 0, nodes.tolist(), {"max_num_steps": MOST_STEPS})
     with tempfile.TemporaryDirectory() as folder:
         # CasADi takes the file's stem as a prefix, so the folder must come as a prefix argument.

@@ -277,7 +277,7 @@ def test_an_interrupted_run_goes_on_or_is_begun_anew(run, tmp_path, monkeypatch)
         assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
 
 
-@pytest.mark.parametrize("method", ["erk", "cvodes", "idas", "rosenbrock"])
+@pytest.mark.parametrize("method", ["erk", "cvodes", "adams", "idas", "rosenbrock", "sundae"])
 def test_simulate_by_every_method(data, method):
     shown = data("simulate", "psh", "--t-end", "0.002", "--method", method, "--rtol", "1e-5")
     assert (shown["status"], shown["method"], shown["rtol"]) == ("done", method, 1e-5)
@@ -305,7 +305,7 @@ def test_help_and_no_command(run):
         assert code == 0
         assert "--json" in out
     out = " ".join(run("simulate", "--help")[1].split())
-    for text in ("Time to simulate [s].", "default: erk", "default: 1e-06", "simulation.t_end of the scene"):
+    for text in ("Time to simulate [s].", "default: auto", "default: 1e-06", "simulation.t_end of the scene"):
         assert text in out
 
 

@@ -22,6 +22,7 @@ from ..options import (
     Resume,
     SceneName,
     Tolerance,
+    Verify,
 )
 from ..progress import progress
 from .app import InterruptedRunError, app
@@ -33,15 +34,16 @@ def simulate(
     scene: SceneName,
     output: ResultFile = None,
     t_end: EndTime = None,
-    method: Method = "erk",
+    method: Method = "auto",
     rtol: Tolerance = 1e-6,
     oversample: Oversample = 1,
     resume: Resume = False,
+    verify: Verify = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4, as it comes."""
-    summary = run(scene, changes, output, t_end, method, rtol, oversample, resume)
+    summary = run(scene, changes, output, t_end, method, rtol, oversample, resume, verify)
     present.show(as_json, summary, present.simulated)
     _finished(summary)
 
@@ -85,6 +87,7 @@ def run(
     rtol: float,
     oversample: int,
     resume: bool = False,
+    verify: bool = False,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
     from ..recording import record
@@ -107,6 +110,7 @@ def run(
             "attributes": about | {"scene_json": opened.scene.model_dump_json()},
             "told": told,
             "tables": opened.model.tables,
+            "verify": verify,
         }
         if output is None:
             summary = simulate_model(library, opened.model.values(), **options).summary
@@ -127,9 +131,9 @@ def cost(
     """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
     from ..cost import ROUNDS, measure_costs
     from ..cost_figure import check_figure, draw_costs
-    from ..simulation import DEFAULT_METHOD, check_options
+    from ..simulation import check_options
 
-    check_options(DEFAULT_METHOD, rtol, t_end)
+    check_options("erk", rtol, t_end)
     if output is not None:
         check_figure(output)
     opened = open_scene(scene, changes)

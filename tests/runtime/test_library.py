@@ -24,7 +24,8 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
 from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import build
-from ltcgear.runtime.stepper import Frame, make_stepper
+from ltcgear.runtime.arcs import Frame
+from ltcgear.runtime.stepper import make_stepper
 
 made = store.get("one")
 p = np.ones(len(made.manifest.parameters))
@@ -36,7 +37,7 @@ store._compile = lambda command, c, target: (compiled.append(target), real(comma
 def whole(library):
     n = len(library.manifest.states)
     frame = Frame(np.zeros(n), np.ones(n))
-    stepper = make_stepper(library, "erk", 1e-6, frame, p, np.array([1.0]))
+    stepper = make_stepper(library, "erk", 1e-6, frame, p, np.array([1.0]), None)
     arc = stepper.advance(np.zeros(n), 1e-3, np.zeros(n), np.zeros(len(library.manifest.levels)))
     z = arc.z[1:]
     assert np.isfinite(z).all() and stepper.counts.steps > 0

@@ -175,7 +175,7 @@ def test_a_start_from_standstill_without_load_begins_at_rest():
     c = driven_rig([(0.1, 0.0), (0.2, 15 * RPM)], 'loads.generator.torque = "0 N*m"')
     path = c.run(method="erk", rtol=1e-6, t_end=0.15)
     still = path.time <= 0.1
-    assert np.abs(c.mesh_forces(path)[still]).max() < 1e-3  # rounding
+    assert np.abs(c.mesh_forces(path)[still]).max() < 1e-2  # the tolerance, of 1e-6 J a freedom
     assert np.abs(c.mesh_forces(path)[~still]).max() > 1e3
     assert path.status == "done"
 

@@ -1,0 +1,161 @@
+"""Choice of the integrator: explicit steps, bound by stability, against costly ones, bound by accuracy only.
+
+The linearised model tells both. Its eigenvalues bound an explicit step; the part of its modes in what the jumps
+of stiffness, errors of teeth and loads set going says how long a step may be for accuracy.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from .equilibrium import Equilibrium, pulling, state_matrix
+from .kernel import Kernel
+from .library import Library
+from .scaling import vibration_scale
+
+Vector = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+GROWTH = np.polynomial.Polynomial([1, 1, 1 / 2, 1 / 6, 1 / 24, 1 / 120, 1 / 600])
+"""Growth of a mode in a step, over h lambda, by the explicit 5(4) pair (Dormand and Prince 1980)."""
+REACH = np.linspace(0.5, 3.5, 301)
+"""|h lambda| at which growth is looked at: it passes 1 between 1.0 without damping and 3.3 without oscillation."""
+PER_STEP = 6
+"""Right-hand sides a step of the explicit pair."""
+STAGES = 8
+"""Stages of the Rosenbrock method."""
+SPARSE = 1.25
+"""Time of an operation of a sparse factorisation over that of one in straight-line code (measured: 1 to 2)."""
+SEGMENT = 4e5
+"""Operations in the time that a segment takes beside its steps (measured)."""
+SHORTEST = 8.0
+"""Angle of the fastest mode in the shortest segment."""
+PER_SEGMENT = 4.5
+"""Steps of a segment where fast modes are at rest, at least (measured)."""
+ERROR = 1e-3
+"""Error of a step of both methods: ERROR a (h omega)^5 for a mode of amplitude a (fitted to the rig's steps)."""
+REST = 1.2
+"""h omega at which a mode that is still within the tolerance counts as being at rest: an L-stable step damps it."""
+GAIN = 1.2
+"""How much cheaper the stiff method must be to be taken: it takes longer to compile."""
+RIGID = 1e-6
+"""Modes below this part of the largest eigenvalue are rigid."""
+TIMES = np.linspace(0.0, 1.0, 65) ** 4
+"""Times between two switchings at which steps are reckoned, more of them after the jump."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A method and why it is taken; None where the user chose."""
+
+    method: str
+    why: str | None
+
+
+def choose(library: Library, at: Equilibrium, p: Vector, rtol: float) -> Choice:
+    """Choose between ``erk`` and ``rosenbrock`` by the steps both need and what a step costs.
+
+    Parameters
+    ----------
+    library, at, p
+        Model, its loaded equilibrium, parameters.
+    rtol
+        Relative tolerance of the run.
+    """
+    values, accuracy = excited_rates(library, at, p, rtol)
+    if not accuracy.any():
+        return Choice("erk", "nothing sets the model going from its equilibrium")
+    stable, fastest = stability_rate(values), float(np.abs(values).max())
+    steps = [float(np.trapezoid(rate, TIMES)) for rate in (np.maximum(accuracy, stable), accuracy)]
+    bound = float(np.trapezoid(accuracy < stable, TIMES))
+    segments = [0.0, 0.0]
+    if library.manifest.levels or library.manifest.signals:
+        most = fastest / SHORTEST
+        resting = min(steps[1] / PER_SEGMENT, most)
+        segments = [bound * most + (1 - bound) * resting, resting]
+    explicit, stiff = step_operations(library)
+    costs = [steps[0] * explicit + segments[0] * SEGMENT, steps[1] * stiff + segments[1] * SEGMENT]
+    why = (
+        f"the fastest eigenvalue, {fastest:.2g} 1/s, binds explicit steps to {stable:.2g} a second at least; "
+        f"accuracy calls for {steps[1]:.2g}, and a stiff step costs {stiff / explicit:.2g} times as much"
+    )
+    return Choice("rosenbrock" if costs[0] > GAIN * costs[1] else "erk", why)
+
+
+def stability_rate(values: Complex) -> float:
+    """Return the steps a second [1/s] below which the explicit pair lets some mode grow that decays."""
+    directions = np.minimum(values.real, 0.0) + 1j * values.imag
+    directions = directions / np.maximum(np.abs(directions), 1e-300)
+    stable = np.abs(GROWTH(np.outer(directions, REACH))) <= 1.0
+    reach = REACH[np.where(stable.all(axis=1), -1, np.argmin(stable, axis=1))]
+    return float((np.abs(values) / reach).max())
+
+
+def step_operations(library: Library) -> tuple[float, float]:
+    """Return the operations of an explicit step, and of a Rosenbrock step: stages, Jacobian and sparse QR."""
+    rhs, jacobian = (library.manifest.functions[name].operations for name in ("rhs", "jac_rhs"))
+    pattern = library.functions["jac_rhs"].sparsity_out(0)
+    n = pattern.size1()
+    left, right, _, _ = (pattern + ca.Sparsity.diag(n)).qr_sparse()
+    columns, rows = np.diff(left.colind()), np.diff(right.T.colind())
+    sparse = float(4 * columns @ rows[: len(columns)]) + STAGES * (4 * left.nnz() + 2 * right.nnz())
+    stage = rhs + 7.0 * n  # with the sum of the stages before it
+    return PER_STEP * stage, STAGES * stage + jacobian + SPARSE * sparse
+
+
+def excited_rates(library: Library, at: Equilibrium, p: Vector, rtol: float) -> tuple[Complex, Vector]:
+    """Return the eigenvalues [1/s], and steps a second that accuracy calls for at TIMES between two switchings.
+
+    A jump leaves each mode with an amplitude that dies away until the next one. What varies without jumps feeds its
+    modes all the time.
+    """
+    scale = vibration_scale(library, at, p)
+    values, shapes = _modes(library, at, p, scale)
+    pushes, between = _pushes(library, at, p) / scale[:, None], _between(library, at, p)
+    moving = np.abs(values) > RIGID * np.abs(values).max()
+    parts = np.linalg.lstsq(shapes, pushes.astype(np.complex128), rcond=None)[0][moving]
+    values, shapes = values[moving], np.abs(shapes[:, moving])
+    decay = np.maximum(-values.real, 0.0) * (between if len(at.levels) else 0.0)
+    staying = 1 / np.sqrt(np.maximum(1 - np.exp(-2 * decay), 1e-3))
+    amplitude = np.abs(parts).max(axis=1, initial=0.0) / np.abs(values) * staying
+    weight = np.maximum(shapes @ amplitude, 1.0)
+    size = (shapes / weight[:, None]).max(axis=0) * amplitude
+    angles = (ERROR * size[:, None] * np.exp(-np.outer(decay, TIMES)) / rtol) ** 0.2
+    rates = np.abs(values)[:, None] * np.where(angles * REST > 1, angles, 0.0)
+    # Once set going, the slowest mode is to be followed.
+    return values, np.maximum(rates.max(axis=0), np.abs(values).min() if amplitude.any() else 0.0)
+
+
+def _modes(library: Library, at: Equilibrium, p: Vector, scale: Vector) -> tuple[Complex, Complex]:
+    """Return eigenvalues and shapes where the model is stiffest: both pairs in contact, teeth closed, at rest if ever.
+
+    Friction is steepest at rest, where a run may begin; a speed over time may pass through it.
+    """
+    kinds = [signal.name for signal in library.manifest.signals]
+    resting = np.where([name == "reference.speed" for name in kinds], 0.0, at.signals) if kinds else at.signals
+    s = np.concatenate([np.ones(len(at.levels)), resting])
+    matrix = state_matrix(library, at.x, s, pulling(library, p)) * scale[None, :] / scale[:, None]
+    values, shapes = np.linalg.eig(matrix)
+    return values.astype(np.complex128), shapes.astype(np.complex128)
+
+
+def _pushes(library: Library, at: Equilibrium, p: Vector) -> Vector:
+    """Return the jumps of the accelerations: what is out of balance at the start, and by each mesh's level."""
+    rhs = Kernel(library.functions["rhs"])
+    count = len(at.levels)
+
+    def rates(levels: Vector, p: Vector) -> Vector:
+        return rhs(at.x, np.concatenate([levels, at.signals]), p)[0].copy()
+
+    ones, means = np.ones(count), pulling(library, p)
+    pushes = [rates(at.levels, p) - rates(at.levels, means), rates(ones, p) - rates(ones, means)]
+    pushes += [rates(level, p) - rates(np.zeros(count), p) for level in np.eye(count)]
+    return np.array(pushes).T
+
+
+def _between(library: Library, at: Equilibrium, p: Vector) -> float:
+    """Return the mean time between switchings [s]; a second where nothing switches."""
+    tau_rate = Kernel(library.functions["phases"])(at.x, at.s, p)[1]
+    often = float(2 * np.abs(tau_rate).sum()) if len(tau_rate) else 0.0
+    return 1 / often if often > 0 else 1.0

@@ -1,0 +1,80 @@
+"""Choice of the method: stability and steps against what the integrators really take, the cost against the best."""
+
+import numpy as np
+import pytest
+from ltcgear.runtime.choice import SEGMENT, TIMES, choose, excited_rates, stability_rate, step_operations
+from ltcgear.runtime.simulation import simulate
+
+from . import exact
+from .models import case
+
+BEARING = 'stages.lsp.ring.bearing.stiffness = "{} N/m"'
+SCENES = {
+    "lsp": ("lsp",),
+    "bearing x 1e4": ("lsp", BEARING.format("2.6e13")),
+    "bearing x 1e6": ("lsp", BEARING.format("2.6e15")),
+    "torsional": ("psh", *exact.SETTINGS),
+    "no excitation": ("lin-parker-4",),
+    "from rest": (
+        "start-up",
+        'effects.mesh_friction = "sliding"',
+        "stages.pair.mesh.friction.coefficient = 0.05",
+        'stages.pair.mesh.friction.speed = "1e-4 m/s"',
+    ),
+}
+
+
+def operations(c, method, rtol):
+    """The operations that a run really takes, by its counts."""
+    path = c.run(method=method, rtol=rtol, t_end=0.1)
+    assert path.status == "done"
+    step = dict(zip(("erk", "rosenbrock"), step_operations(c.library), strict=True))[method]
+    return (path.counts.steps + path.counts.rejected) * step + path.counts.segments * SEGMENT
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6])
+@pytest.mark.parametrize("name", SCENES)
+def test_the_choice_costs_twice_the_best_at_most(name, rtol):
+    c = case(*SCENES[name])
+    chosen = choose(c.library, c.at, c.p, rtol)
+    cost = {method: operations(c, method, rtol) for method in ("erk", "rosenbrock")}
+    assert cost[chosen.method] < 2 * min(cost.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "method"), [("lsp", "erk"), ("bearing x 1e6", "rosenbrock"), ("no excitation", "erk")]
+)
+def test_both_methods_are_chosen(name, method):
+    c = case(*SCENES[name])
+    assert choose(c.library, c.at, c.p, 1e-4).method == method
+
+
+def test_the_stability_bound_is_that_of_the_explicit_pair():
+    # Hairer and Wanner II, figure IV.2.1: the pair's region ends at 3.3 on the real axis, and at 1.0 on the imaginary.
+    assert 1 / stability_rate(np.array([-1.0 + 0j])) == pytest.approx(3.306, abs=0.02)
+    assert 1 / stability_rate(np.array([1j, -1j])) == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_stiff_run_takes_the_steps_that_stability_asks_for():
+    c = case(*SCENES["bearing x 1e6"])
+    values, _ = excited_rates(c.library, c.at, c.p, 1e-4)
+    steps = c.run(method="erk", rtol=1e-4, t_end=0.02).counts.steps
+    assert steps == pytest.approx(0.02 * stability_rate(values), rel=0.25)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("name", ["lsp", "torsional"])
+def test_other_runs_take_the_steps_that_accuracy_asks_for(name, rtol):
+    c = case(*SCENES[name])
+    rates = excited_rates(c.library, c.at, c.p, rtol)[1]
+    steps = c.run(method="erk", rtol=rtol, t_end=0.1).counts.steps
+    assert 0.1 * np.trapezoid(rates, TIMES) == pytest.approx(steps, rel=0.5)
+
+
+def test_simulate_says_what_it_used_and_why():
+    c = case("psh")
+    values, options = c.model.values(), {"t_end": 0.01, "rate": 8192.0}
+    summary = simulate(c.library, values, **options).summary
+    assert summary["method"] == "erk"
+    assert "eigenvalue" in summary["why"]
+    assert simulate(c.library, values, method="cvodes", **options).summary["why"] is None
