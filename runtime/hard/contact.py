@@ -10,7 +10,7 @@ from ..integration import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .dead_band import CASES as SWEPT
 from .impact import Impact
-from .reading import Pair, read, started
+from .pair import Pair, read, started
 
 Vector = NDArray[np.float64]
 RTOL = 1e-9

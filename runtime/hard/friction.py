@@ -11,8 +11,8 @@ from ..integration import Trajectory
 from ..kernel import Kernel
 from ..results import energy_residual
 from .case import Bench, Finding, HardCase, Open
+from .pair import read, read_power_lost
 from .planets import RubbingPlanets
-from .reading import read, read_power_lost
 
 SCENE = "hard-friction"
 RTOL = 1e-8

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from .reading import Pair
+from .pair import Pair
 
 Vector = NDArray[np.float64]
 

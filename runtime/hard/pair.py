@@ -1,4 +1,4 @@
-"""What hard cases read off a run."""
+"""A torsional pair whose gear 1 is held, and what its runs show."""
 
 from dataclasses import dataclass, replace
 
