@@ -86,7 +86,7 @@ class March:
             arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
             times = arc.duration * self.nodes.points
             path = self._on_course(arc.z, times, signals, slope)
-            after = self.phases(path[-1], signals + slope * duration)
+            after = self.phases(path[-1], self._signals_after(duration, knot, signals, slope))
             cells, part = crossed(self.cells, now, after)
             if part == 1.0:
                 break
@@ -101,6 +101,11 @@ class March:
         self.work, self.z = self.work + float(arc.work[-1]), path[-1].copy()
         self._switch(cells, signals + slope * duration)
         return duration, path, levels
+
+    def _signals_after(self, duration: float, knot: float, signals: Vector, slope: Vector) -> Vector:
+        """Return the signals after a duration; at a knot the table's own, so that a standstill is one to the bit."""
+        met = duration == knot - self.time
+        return self.signals.before(knot) if met else np.asarray(signals + slope * duration)
 
     def _rates(self, slope: Vector) -> Vector:
         """Return the rates of levels and signals."""
