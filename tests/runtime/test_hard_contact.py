@@ -5,6 +5,7 @@ from math import pi
 
 import numpy as np
 import pytest
+from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.hard import contact, dead_band, friction, pair
 from ltcgear.runtime.hard.case import Bench
 from ltcgear.runtime.hard.impact import Impact
@@ -32,8 +33,11 @@ def opened(name, changes):
 
 
 def wrong(name, method, long=False):
-    """What a case finds above its limits, as text."""
-    found = list(CASES[name].check(opened, method, long))
+    """What a case finds above its limits, or why it is refused, as text."""
+    try:
+        found = list(CASES[name].check(opened, method, long))
+    except LtcgearError as error:
+        return [str(error)]
     assert found
     return [f"{item.what}: {item.value:.2e}, {item.limit:.2e} at most" for item in found if not item.right]
 
@@ -74,6 +78,12 @@ def test_a_loose_tolerance_is_found_wrong(name, monkeypatch):
         ("flanks", "pair.mesh.base_radius_2", 1.001),
         ("friction-stop", "gear.pin.friction", 1.001),
         ("friction-standstill", "gear.pin.diameter", 1.001),
+        ("friction-turn", "gear.sun_planet.friction.coefficient", -1.0),
+        ("friction-nothing", "gear.pin.friction_load", 0.0),
+        ("rattle", "contact.pull", 0.1),
+        ("grazing", "pair.mesh.stiffness", 1.0001),
+        ("zero-gap", "pair.mesh.backlash", 1e-9),
+        ("reversal", "contact.pull", 0.1),
     ],
 )
 def test_another_number_in_the_model_is_found_wrong(name, key, factor, monkeypatch):
@@ -82,7 +92,9 @@ def test_another_number_in_the_model_is_found_wrong(name, key, factor, monkeypat
 
     def changed(bench):
         p = vector(bench).copy()
-        p[[known for known, _ in bench.library.manifest.parameters].index(key)] *= factor
+        names = [known for known, _ in bench.library.manifest.parameters]
+        if key in names:
+            p[names.index(key)] = p[names.index(key)] * factor or factor
         return p
 
     monkeypatch.setattr(Bench, "p", property(changed))
