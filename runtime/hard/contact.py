@@ -23,10 +23,10 @@ ONE_STEP = ("erk", "rosenbrock")
 def allowed(method: str, limit: float) -> float:
     """Return the limit of a one-step method, or that of a multistep one at the same tolerance.
 
-    These keep the error of a step, not that of a swing, below their tolerance, and take many low-order steps after
-    every parting; on a swing without any they lose a hundred times as much as the one-step methods too.
+    These keep the error of a step below their tolerance, not that of a swing, and begin anew with small steps of low
+    order after every parting. On a swing without any, BDF at 1e-9 loses 1e-7 of the energy, ``erk`` 1e-9.
     """
-    return limit if method in ONE_STEP else 100 * limit
+    return limit if method in ONE_STEP else 20 * limit
 
 
 # --- undamped bounces
@@ -77,7 +77,11 @@ def _energy(pair: Pair, depth: Vector, speed: Vector) -> Vector:
 
 
 def check_bounce(opened: Open, method: str, long: bool) -> Iterable[Finding]:
-    """Throw a gear ten static deflections high and let it bounce."""
+    """Throw a gear ten static deflections high and let it bounce.
+
+    A bounce that loses the share E of its energy is short by E / 2 of its period, and these shorts add up: instants
+    may be off by the square of the number of bounces times E / 4.
+    """
     bench, count = opened("hard-bounce", {}), 200 if long else 20
     pair = Pair.of(bench)
     size, peak = 10 * pair.static, 11 * pair.static
@@ -89,22 +93,21 @@ def check_bounce(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     yield Finding("bounces lost or doubled", abs(len(found) - count), 0)
     if len(found) == count:
         yield Finding(
-            "instants of landing, over the period and bounces",
-            np.abs(found - due).max() / period / count,
-            allowed(method, 1e-8),
+            "instants of landing, over the period and the square of bounces",
+            np.abs(found - due).max() / period / count**2,
+            allowed(method, 5e-9),
         )
     yield Finding(
         "energy gained or lost a bounce", np.ptp(total) / (pair.k * size**2 / 2) / count, allowed(method, 1e-8)
     )
     yield Finding(
-        "mesh deflection, over the largest and bounces",
-        np.abs(depth - wanted).max() / peak / count,
-        allowed(method, 1e-7),
+        "mesh deflection, over the largest and the square of bounces",
+        np.abs(depth - wanted).max() / peak / count**2,
+        allowed(method, 3e-8),
     )
     force = read(bench, path, "mesh_force")["pair.mesh"]
-    yield Finding(
-        "largest mesh force", abs(force.max() / (pair.k * np.maximum(wanted, 0).max()) - 1), allowed(method, 1e-8)
-    )
+    off = abs(force.max() / (pair.k * np.maximum(wanted, 0).max()) - 1)
+    yield Finding("largest mesh force, over bounces", off / count, allowed(method, 1e-8))
 
 
 def check_grazing(opened: Open, method: str, long: bool) -> Iterable[Finding]:
