@@ -176,7 +176,7 @@ def check_rattle(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     """Let a pair rattle from flank to flank: no tooth pulls, and the two flanks never push at once."""
     scene = DeadBand(opened("hard-dead-band", {}))
     bench = scene.bench
-    wide = bench.values | {"pair.mesh.transmission_error_cos_1": scene.half}
+    wide = {**bench.values, "pair.mesh.transmission_error_cos_1": scene.half}
     run = DeadBand(replace(bench, values=wide)).swept((0.0, 1.0), (0.9, 0.9))
     path = run.run(method, 3000.0 if long else 400.0)
     forces = read(run.bench, path, "mesh_force")

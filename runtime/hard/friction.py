@@ -43,7 +43,7 @@ def _everything(opened: Open, law: str) -> Bench:
 def _changed(bench: Bench, **values: float) -> Bench:
     """Return the bench with other values, ``__`` in their names standing for a dot."""
     known = {key.replace("__", "."): value for key, value in values.items()}
-    return replace(bench, values=bench.values | known)
+    return replace(bench, values={**bench.values, **known})
 
 
 def _from(opened: Open, speed: float) -> Bench:
