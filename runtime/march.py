@@ -8,9 +8,10 @@ from .extremes import MeshExtremes
 from .kernel import Kernel
 from .library import Library
 from .nodes import Chebyshev, Nodes, Uniform
+from .regimes import Regimes, Sides
 from .scaling import fastest, vibration_scale
 from .signals import Signals
-from .stepper import MULTISTEP, Frame, make_stepper
+from .stepper import MULTISTEP, Arc, Frame, make_stepper
 from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
 
 Vector = NDArray[np.float64]
@@ -23,7 +24,7 @@ class March:
         self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
         signals: Signals,
     ) -> None:  # fmt: skip
-        self.library, self.p, self.at, self.signals = library, p, at, signals
+        self.library, self.p, self.at, self.signals = library, p.copy(), at, signals
         self.frame = Frame(at.x, vibration_scale(library, at, p))
         self.nodes, self.longest = self._layout(method, samples, rate)
         self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:])
@@ -39,6 +40,8 @@ class March:
         start = signals.at(0.0)
         self.cells: Cells = cells_of(self.phases(self.z, start))
         self.last_turn, self.expected, self.reversed = self.cells, 0, False
+        s = np.concatenate([levels_of(self.cells), start])
+        self.regimes = Regimes(library, self.p, self.frame, self.nodes, rtol, s)
         self.first_energy = self.energy(self.z, self.cells, start)
         self.extremes = MeshExtremes(library, p, len(self.nodes.points), samples / rate)
 
@@ -48,7 +51,8 @@ class March:
         A segment between switchings is so short that the fastest mode turns by 8 rad between 17 nodes, or
         16 rad between 25, at most; polynomials through them are right to 1e-9 then.
         """
-        if not self.library.manifest.levels and not self.library.manifest.signals:
+        manifest = self.library.manifest
+        if not (manifest.levels or manifest.signals or manifest.holds):
             block = min(256, samples)
             return Uniform(block), block / rate
         count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
@@ -82,30 +86,72 @@ class March:
         if duration <= 0:
             raise RuntimeError("two switching instants of one mesh fall together; check its contact ratio")
         s = np.concatenate([levels, signals])
-        for _ in range(20):
-            arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
-            times = arc.duration * self.nodes.points
-            path = self._on_course(arc.z, times, signals, slope)
-            after = self.phases(path[-1], self._signals_after(duration, knot, signals, slope))
+        self._settle(s)
+        arc, cells, sides = self._to_border(duration, now, s, slope)
+        times, duration = arc.duration * self.nodes.points, arc.duration
+        self.extremes.note(
+            self.frame.origin + self.frame.scale * arc.z, self._along(s, times, slope), self.p, self.time + times
+        )
+        self._change(sides)
+        self.time = knot if duration == knot - self.time else self.time + duration
+        self.work, self.z = self.work + float(arc.work[-1]), arc.z[-1].copy()
+        self._switch(cells, signals + slope * duration)
+        return duration, arc.z, levels
+
+    def _to_border(self, duration: float, now: Phases, s: Vector, slope: Vector) -> tuple[Arc, Cells, Sides]:
+        """Integrate for a duration, or to the first border if that comes before; return cells and sides after it."""
+        aimed = False
+        for trial in range(20):
+            arc = self._arc(duration, s, slope)
+            along = self._along(s, arc.duration * self.nodes.points, slope)
+            after = self.phases(arc.z[-1], self._signals_after(arc.duration, s, slope))
             cells, part = crossed(self.cells, now, after)
-            if part == 1.0:
+            if aimed:
+                correction, sides = self.regimes.end(arc, along, trial)
+                if correction == 0:
+                    break
+                duration *= 1 + correction
+                continue
+            sides = self.regimes.sides
+            first, at_once = self.regimes.cross(arc, along)
+            if (at_once != self.regimes.sides).any():
+                self._change(at_once)
+                continue
+            if min(part, first) == 1.0:
                 break
-            duration *= part  # the rates were not constant: go back to the segment's start with a shorter one
+            aimed = first < part
+            duration *= min(part, first)  # go back to the segment's start with a shorter one
         else:
             raise RuntimeError("a switching instant could not be located in 20 trials")
         self.reversed |= self.speed is None and bool((now.rate * after.rate < 0).any())
-        self.extremes.note(
-            self.frame.origin + self.frame.scale * path, s + np.outer(times, self._rates(slope)), self.time + times
-        )
-        self.time = knot if duration == knot - self.time else self.time + duration
-        self.work, self.z = self.work + float(arc.work[-1]), path[-1].copy()
-        self._switch(cells, signals + slope * duration)
-        return duration, path, levels
+        return arc, cells, sides
 
-    def _signals_after(self, duration: float, knot: float, signals: Vector, slope: Vector) -> Vector:
+    def _arc(self, duration: float, s: Vector, slope: Vector) -> Arc:
+        """Integrate for a duration with levels and sides held."""
+        arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
+        times = arc.duration * self.nodes.points
+        return Arc(arc.duration, self._on_course(arc.z, times, s[len(self.cells) :], slope), arc.work)
+
+    def _settle(self, s: Vector) -> None:
+        """Bring the regimes in line with the state, and tell the stepper which sides hold."""
+        self._change(self.regimes.settled(self.z, s))
+
+    def _change(self, sides: Sides) -> None:
+        """Go over to other sides of borders."""
+        self.stepper.counts.regimes += int((sides != self.regimes.sides).sum())
+        self.regimes.sides = sides
+        self.regimes.hold(self.p)
+        self.stepper.take(self.p)
+
+    def _along(self, s: Vector, times: Vector, slope: Vector) -> Vector:
+        """Return levels and signals at times after the start of an arc, shape (times, n_s)."""
+        return s + np.outer(times, self._rates(slope))
+
+    def _signals_after(self, duration: float, s: Vector, slope: Vector) -> Vector:
         """Return the signals after a duration; at a knot the table's own, so that a standstill is one to the bit."""
+        knot = self.signals.next_knot(self.time)
         met = duration == knot - self.time
-        return self.signals.before(knot) if met else np.asarray(signals + slope * duration)
+        return self.signals.before(knot) if met else np.asarray(s[len(self.cells) :] + slope * duration)
 
     def _rates(self, slope: Vector) -> Vector:
         """Return the rates of levels and signals."""

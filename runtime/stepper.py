@@ -46,6 +46,7 @@ class Counts:
     rejected: int = 0
     segments: int = 0
     events: int = 0
+    regimes: int = 0
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,9 @@ class Stepper(Protocol):
     """Integrates one segment."""
 
     counts: Counts
+
+    def take(self, p: Vector) -> None:
+        """Go on with other parameters."""
 
     def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
         """Return the motion from z on.
@@ -144,6 +148,10 @@ class _Base:
         self.state = self.kernel.arguments[self.function.index_in("x0")]
         self.end = self.kernel.results[self.function.index_out("xf")]
         self.work = self.kernel.results[self.function.index_out("qf")]
+
+    def take(self, p: Vector) -> None:
+        """Go on with other parameters."""
+        self.part["p"][:] = p
 
     def _make(self) -> ca.Function:
         raise LtcgearError("a stepper makes its own function")

@@ -12,6 +12,8 @@ from ltcgear.generated.contract import Signal
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
+HOLD = "hold."
+"""How the parameters begin that hold a regime while an integrator is under way; 0 lets the state decide."""
 VARYING = "phase.varying"
 """Parameter: 1 in every run; 0 where profiles over the mesh phase shall be their means."""
 

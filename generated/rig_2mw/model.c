@@ -34,6 +34,7 @@ extern "C" {
 #define casadi_f2 CASADI_PREFIX(f2)
 #define casadi_f3 CASADI_PREFIX(f3)
 #define casadi_f4 CASADI_PREFIX(f4)
+#define casadi_f5 CASADI_PREFIX(f5)
 #define casadi_s0 CASADI_PREFIX(s0)
 #define casadi_s1 CASADI_PREFIX(s1)
 #define casadi_s2 CASADI_PREFIX(s2)
@@ -43,6 +44,7 @@ extern "C" {
 #define casadi_s6 CASADI_PREFIX(s6)
 #define casadi_s7 CASADI_PREFIX(s7)
 #define casadi_s8 CASADI_PREFIX(s8)
+#define casadi_s9 CASADI_PREFIX(s9)
 #define casadi_sq CASADI_PREFIX(sq)
 
 /* Symbol visibility in DLLs */
@@ -212,7 +214,8 @@ static const casadi_int casadi_s6[166] =
   0, 0, 0, 0, 0, 0, 0, 0,
   0, 0, 0, 0, 0, 0};
 static const casadi_int casadi_s7[3] = {215, 1, 1};
-static const casadi_int casadi_s8[3] = {5, 1, 1};
+static const casadi_int casadi_s8[3] = {0, 1, 1};
+static const casadi_int casadi_s9[3] = {5, 1, 1};
 
 /* rhs:(x[83],#s[12],#p[163])->(xdot[83]) */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
@@ -9427,8 +9430,88 @@ CASADI_SYMBOL_EXPORT int phases_work_bytes(casadi_int *sz_arg, casadi_int* sz_re
   return 0;
 }
 
-/* energy:(x[83],s[12],p[163])->(balance[5]) */
+/* borders:(x[83],s[12],p[163])->(g[0]) */
 static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT int borders(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem){
+  return casadi_f4(arg, res, iw, w, mem);
+}
+
+CASADI_SYMBOL_EXPORT int borders_checkout(void) {
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT void borders_release(int mem) {
+}
+
+CASADI_SYMBOL_EXPORT void borders_incref(void) {
+}
+
+CASADI_SYMBOL_EXPORT void borders_decref(void) {
+}
+
+CASADI_SYMBOL_EXPORT casadi_int borders_n_in(void) { return 3;}
+
+CASADI_SYMBOL_EXPORT casadi_int borders_n_out(void) { return 1;}
+
+CASADI_SYMBOL_EXPORT casadi_real borders_default_in(casadi_int i) {
+  switch (i) {
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const char* borders_name_in(casadi_int i) {
+  switch (i) {
+    case 0: return "x";
+    case 1: return "s";
+    case 2: return "p";
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const char* borders_name_out(casadi_int i) {
+  switch (i) {
+    case 0: return "g";
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const casadi_int* borders_sparsity_in(casadi_int i) {
+  switch (i) {
+    case 0: return casadi_s0;
+    case 1: return casadi_s1;
+    case 2: return casadi_s2;
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const casadi_int* borders_sparsity_out(casadi_int i) {
+  switch (i) {
+    case 0: return casadi_s8;
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT int borders_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
+  if (sz_arg) *sz_arg = 3;
+  if (sz_res) *sz_res = 1;
+  if (sz_iw) *sz_iw = 0;
+  if (sz_w) *sz_w = 0;
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT int borders_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
+  if (sz_arg) *sz_arg = 3*sizeof(const casadi_real*);
+  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
+  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
+  if (sz_w) *sz_w = 0*sizeof(casadi_real);
+  return 0;
+}
+
+/* energy:(x[83],s[12],p[163])->(balance[5]) */
+static int casadi_f5(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a000, a001, a002, a003, a004, a005, a006, a007, a008, a009, a010, a011;
   casadi_real a012, a013, a014, a015, a016, a017, a018, a019, a020, a021, a022, a023;
   casadi_real a024, a025, a026, a027, a028, a029, a030, a031, a032, a033, a034, a035;
@@ -11169,7 +11252,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
 }
 
 CASADI_SYMBOL_EXPORT int energy(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem){
-  return casadi_f4(arg, res, iw, w, mem);
+  return casadi_f5(arg, res, iw, w, mem);
 }
 
 CASADI_SYMBOL_EXPORT int energy_checkout(void) {
@@ -11222,7 +11305,7 @@ CASADI_SYMBOL_EXPORT const casadi_int* energy_sparsity_in(casadi_int i) {
 
 CASADI_SYMBOL_EXPORT const casadi_int* energy_sparsity_out(casadi_int i) {
   switch (i) {
-    case 0: return casadi_s8;
+    case 0: return casadi_s9;
     default: return 0;
   }
 }

@@ -6,7 +6,7 @@ from ltcgear.generated.contract import Signal
 
 from .. import train
 from ..mesh_schema import Mesh
-from ..model import Body, Instance, Level, Parameter, Phase, Profile, Rolling
+from ..model import HOLD, Body, Instance, Level, Parameter, Phase, Profile, Rolling
 from ..schema import Gear, Pair, Planetary, Scene
 from ..series import Pairs
 
@@ -62,6 +62,10 @@ class Draft:
         """Note a parameter and return its name."""
         self.parameters[name] = Parameter(name, float(value), unit)
         return name
+
+    def hold(self, border: str, unit: str) -> str:
+        """Note what holds the regime on one side of a border."""
+        return self.number(HOLD + border, 0.0, unit)
 
     def signal(self, name: str, unit: str, table: str, pairs: Pairs, slope: bool = False) -> str:
         """Note a load signal with the table it is read from, and return its name."""

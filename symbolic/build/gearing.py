@@ -118,11 +118,13 @@ def _contact(
         draft.place(at.label, ("mesh", *form, "bilateral", *extra), bodies, **bind)
         return
     pull = draft.number("contact.pull", 0.0, "")
-    draft.place(at.label, ("mesh", *form, "one-flank", *extra), bodies, pull=pull, **bind)
+    hold = draft.hold(at.label, "N")
+    draft.place(at.label, ("mesh", *form, "one-flank", *extra), bodies, pull=pull, hold=hold, **bind)
     if contact == "backlash":
         back = {
             "s": draft.number(f"{at.name}.other_flank", -draft.parameters[f"{at.name}.flank"].value, ""),
             "gap": draft.number(f"{at.name}.backlash", gears.backlash(at.stage, at.mesh, *at.wheels), "m"),
+            "hold": draft.hold(at.label + BACK, "N"),
         }
         draft.place(at.label + BACK, ("mesh", *form, "gap", *extra), bodies, **bind | back)
 

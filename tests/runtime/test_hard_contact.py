@@ -42,18 +42,9 @@ def wrong(name, method, long=False):
     return [f"{item.what}: {item.value:.2e}, {item.limit:.2e} at most" for item in found if not item.right]
 
 
-# Kinks are left to error control, and a path is read through its nodes as if it had none.
-UNLOCATED = {
-    *(("bounce", "erk"), ("impact", "erk"), ("reversal", "erk"), ("reversal", "cvodes"), ("reversal", "idas")),
-    *(("dead-band-steps", "cvodes"), ("dead-band-steps", "idas")),
-}
-
-
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.integrates])
-def test_case(name, method, request):
-    if (name, method) in UNLOCATED:
-        request.applymarker(pytest.mark.xfail(reason="contacts are not located as events", strict=True))
+def test_case(name, method):
     assert wrong(name, method) == []
 
 
