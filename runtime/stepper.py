@@ -182,7 +182,7 @@ class _CasadiStepper(_Base):
     def _make(self) -> ca.Function:
         options: dict[str, Any] = {"reltol": self.rtol, "abstol": self.rtol, "max_num_steps": MOST_STEPS}
         if self.method in MULTISTEP:
-            options |= {"linear_solver": "csparse", "show_eval_warnings": False}
+            options |= {"linear_solver": "csparse", "show_eval_warnings": False, "quad_err_con": True}
         symbol = ca.MX if self.method in MULTISTEP else ca.SX
         functions = self.library.functions if symbol is ca.MX else self.library.graphs
         problem = _problem(self.library, functions, symbol)
