@@ -170,7 +170,7 @@ class March:
                 duration, aimed = self.longest, False
                 continue
             along = self._along(s, arc.duration * self.nodes.points, slope)
-            after = self.phases(arc.z[-1], along[-1, len(self.cells) :])
+            after = self.phases(arc.z[-1], self._signals_after(arc.duration, s, slope))
             cells, part = crossed(self.cells, now, after)
             if aimed:
                 correction, sides = self.regimes.end(arc, along, trial)
@@ -256,6 +256,12 @@ class March:
             if self.fresh:
                 self.first = self.longest
         return resolved
+
+    def _signals_after(self, duration: float, s: Vector, slope: Vector) -> Vector:
+        """Return the signals after a duration; at a knot the table's own, so that a standstill is one to the bit."""
+        knot = self.signals.next_knot(self.time)
+        met = duration == knot - self.time
+        return self.signals.before(knot) if met else np.asarray(s[len(self.cells) :] + slope * duration)
 
     def _rates(self, slope: Vector) -> Vector:
         """Return the rates of levels and signals."""

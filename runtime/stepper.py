@@ -208,7 +208,7 @@ class _CasadiStepper(_Base):
     def _make(self) -> ca.Function:
         options: dict[str, Any] = {"reltol": self.rtol, "abstol": self.rtol, "max_num_steps": MOST_STEPS}
         if self.method in MULTISTEP:
-            options |= {"linear_solver": "csparse", "show_eval_warnings": False}
+            options |= {"linear_solver": "csparse", "show_eval_warnings": False, "quad_err_con": True}
         if self.method == "adams":
             # Such steps are short enough for iteration without a Jacobian, which costs less than half.
             options |= {"linear_multistep_method": "adams", "nonlinear_solver_iteration": "functional"}

@@ -24,9 +24,9 @@ def benchmarks():
         yield lambda name: import_module(f"benchmarks.{name}")
 
 
-def rows(page):
-    """The table between the marks of a page, row by row, a list of cells each; and its lines."""
-    text = page.PAGE.read_text("utf-8").split(page.BEGIN)[1].split(page.END)[0]
+def rows(page, name=""):
+    """A table between the marks of a page, row by row, a list of cells each; and its lines."""
+    text = page.PAGE.read_text("utf-8").split(page.BEGIN.format(name))[1].split(page.END.format(name))[0]
     lines = text.splitlines(keepends=True)[2:]
     return [[cell.strip() for cell in line.strip("|\n ").split("|")] for line in lines], lines
 
@@ -128,3 +128,34 @@ def test_the_page_of_long_runs_tells_what_was_asked_for(benchmarks):
     assert cells["switchings"] == cells["switchings by kinematics"]
     seconds = round(long_run.SWITCHED_TURNS * long_run.PERIOD / long_run.SPACING) * long_run.SPACING
     assert int(cells["switchings"]) == pytest.approx(seconds / long_run.PERIOD * long_run.TEETH * 16, abs=16)
+
+
+# --- dead band
+
+
+def test_jumps_are_those_of_every_method_and_of_the_reference(benchmarks):
+    dead_band = benchmarks("dead_band")
+    found, _ = rows(dead_band, "methods")
+    assert {"erk", "cvodes"} <= {name for name, *_ in found}
+    pair = dead_band.scene()
+    for name, *printed in found:
+        jumps = dead_band.jumps(pair, name) if name in dead_band.METHODS else dead_band.JUMPS
+        assert [float(cell) for cell in printed] == pytest.approx(jumps, rel=1e-4)
+        assert jumps == pytest.approx(dead_band.JUMPS, rel=2e-3)
+
+
+def test_a_slow_sweep_jumps_where_the_page_says(benchmarks):
+    dead_band = benchmarks("dead_band")
+    found, _ = rows(dead_band, "rates")
+    *measured, limit = found
+    assert [float(row[0]) for row in measured] == list(dead_band.RATES)
+    assert [float(row[i]) for i in (1, 3) for row in measured[:1]] == pytest.approx(
+        dead_band.slow_jumps(dead_band.scene(), dead_band.RATES[0]), rel=1e-4
+    )
+    for column in (1, 3):
+        off = [abs(float(row[column]) / float(limit[column]) - 1) for row in measured]
+        # the delay goes with the rate to the power of 2/3
+        assert off[1] / off[3] == pytest.approx(10 ** (2 / 3), rel=0.35)
+        assert [abs(float(row[column + 1].strip("+-% "))) for row in measured] == pytest.approx(
+            [100 * value for value in off], abs=0.15
+        )

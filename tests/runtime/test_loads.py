@@ -461,3 +461,19 @@ def test_many_reversals_at_odd_times_are_all_counted(seed):
     assert len(angles) > 10
     assert path.status == "done"
     assert path.counts.events == path.expected_events == wanted > 50
+
+
+@pytest.mark.parametrize("pitches", range(3, 15))
+def test_turning_back_on_a_border_is_no_lost_switching(pitches):
+    """The border is touched, or passed there and back, as rounding has it; both are right."""
+    up = 2 * (2 * np.pi / 59) * pitches / 0.05  # up to this speed and down to zero turns by whole pitches
+    rows = [(0.0, 0.0), (0.037, up), (0.05, 0.0), (0.063, -up)]
+    written = ", ".join(f'["{t!r} s", "{float(v)!r} rad/s"]' for t, v in rows)
+    c = case("psh", "-loads.input.speed", f"loads.input.speed_over_time = [{written}]")
+    path = c.run(method="erk", rtol=1e-4, t_end=0.0625)
+    angles, share = integral(rows, [0.0, 0.05, 0.0625]), share_of(c, "psh.mesh")
+    back = border_count(pitches - 0.01, 59 / (2 * np.pi) * angles[2], share)
+    assert angles[1] == pytest.approx(2 * np.pi / 59 * pitches)
+    assert path.status == "done"
+    assert path.counts.events == path.expected_events
+    assert path.counts.events in (2 * pitches - 1 + back, 2 * pitches + 1 + back)
