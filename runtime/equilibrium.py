@@ -14,7 +14,6 @@ from .relaxation import relax
 from .signals import Pairs, Signals
 
 Vector = NDArray[np.float64]
-UNREACHABLE = "no equilibrium: a centre distance falls below the base circles' sum; check center_distance and stiffness"
 ROUNDING = 1e-8
 """Deflection [m], [rad] whose force is what forces out of balance are compared with, where nothing else acts."""
 PULL = "contact.pull"
@@ -192,14 +191,14 @@ def _newton(library: Library, p: Vector, x: Vector, levels: Vector, signals: Vec
         force = np.asarray(rhs(x, s, p)[0][rate] * mass)
         stiffness = -_dense(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
         if not (np.isfinite(force).all() and np.isfinite(stiffness).all()):
-            raise SolverError(UNREACHABLE)
+            raise SolverError(_unreachable(library, x, s, p))
         residual = _residual(library, force, np.abs(stiffness) @ (np.abs(x[position]) + ROUNDING) + load)
         delta = _solve(library, stiffness, force, x[position], load)
         settled = np.abs(delta).max() <= 1e-7 * np.abs(x[position]).max() + ROUNDING**2
         if residual < 1e-13 or (settled and residual < 1e-8 and residual > 0.3 * best):
             return Equilibrium(x, levels, residual, iteration, signals)
         best = min(best, residual)
-        x = _advance(rhs, x, position, delta, s, p)
+        x = _advance(library, x, delta, s, p)
     raise SolverError(
         f"no equilibrium: after 60 Newton steps the forces are out of balance by {residual:.1e} of their size; "
         "check loads, stiffnesses and centre distances"
@@ -266,7 +265,7 @@ def _solve(library: Library, stiffness: Vector, force: Vector, place: Vector, lo
 
 
 def _unrestrained(library: Library, shares: Vector, part: float) -> str:
-    """Name the members that a load can push without end, and what part of the loads misses its balance if it is small."""
+    """Name the members that a load can push without end; tell what part of the loads misses its balance if slight."""
     states = [library.manifest.states[i] for i in library.index("")]
     chosen = [f"{s.body} ({s.axis})" for s, share in zip(states, shares, strict=True) if share > 0.3 * shares.max()]
     return (
@@ -276,12 +275,27 @@ def _unrestrained(library: Library, shares: Vector, part: float) -> str:
     )
 
 
-def _advance(rhs: Kernel, x: Vector, position: NDArray[np.int64], delta: Vector, s: Vector, p: Vector) -> Vector:
+def _advance(library: Library, x: Vector, delta: Vector, s: Vector, p: Vector) -> Vector:
     """Take a Newton step, halved until the gears still reach each other."""
+    rhs, position = Kernel(library.functions["rhs"]), library.index("")
     for _ in range(40):
         trial = x.copy()
         trial[position] += delta
         if np.isfinite(rhs(trial, s, p)[0]).all():
             return trial
         delta = delta / 2
-    raise SolverError(UNREACHABLE)
+    raise SolverError(_unreachable(library, trial, s, p))
+
+
+def _unreachable(library: Library, x: Vector, s: Vector, p: Vector) -> str:
+    """Name the meshes whose gears overlap by their base circles."""
+    values = Kernel(library.functions["outputs"])(x, s, p)[0]
+    named = [
+        report.item
+        for value, report in zip(values, library.manifest.reports, strict=True)
+        if report.quantity == "pressure_angle" and not np.isfinite(value)
+    ]
+    return (
+        f"no equilibrium: a centre distance falls below the base circles' sum{' at ' if named else ''}"
+        f"{', '.join(named)}; check center_distance, the stiffness of bearings, and flank (bilateral teeth pull)"
+    )

@@ -8,8 +8,10 @@ import numpy as np
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
+from .diagnosis import explain
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
+from .guard import EXPLICIT, check_explicit
 from .library import Library
 from .march import March
 from .sampling import Samples
@@ -97,6 +99,8 @@ def integrate(
         A failure is a status in it, and what was computed until then is kept.
     """
     clock = perf_counter()
+    if method in EXPLICIT:
+        check_explicit(library, at, p, t_end)
     count = round(t_end * rate)
     signals = Signals(library.manifest.signals, tables or {})
     try:
@@ -127,7 +131,7 @@ def _proceed(march: March, samples: Samples, told: Told, stopped: str) -> str:
             duration, path, level = march.segment(samples.time[-1] - start)
         except RuntimeError as error:
             cause = str(error).strip().splitlines()[-1][:200]
-            return f"{stopped.format(start)}: {cause}; {CURE}"
+            return f"{stopped.format(start)}: {explain(march) or f'{cause}; {CURE}'}"
         except KeyboardInterrupt:
             return f"interrupted at t = {start:.6g} s; what was computed until then is kept"
         samples.take(start, duration, path, level)

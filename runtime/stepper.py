@@ -163,7 +163,7 @@ class _Base:
         self._evaluate()
         self._count(duration)
         path = self.end.reshape(len(self.nodes), self.size)
-        if not np.isfinite(path[-1]).all():
+        if not np.isfinite(path).all():
             raise RuntimeError("a value is not finite")
         return Arc(duration, np.vstack([z, path]), np.concatenate([[0.0], self.work]))
 
