@@ -32,6 +32,8 @@ METHODS = {
 }
 MULTISTEP = ("cvodes", "idas")
 MOST_STEPS = 1_000_000
+SMALLEST = 1e-10
+"""Step, in a segment's own time, below which cvodes gives up (idas has no such option, and fewer steps): there is no going on from there."""
 CONSTANT = np.zeros(0)
 """Rates of the load signals of a model that has none."""
 
@@ -175,6 +177,10 @@ class _CasadiStepper(_Base):
         options: dict[str, Any] = {"reltol": self.rtol, "abstol": self.rtol, "max_num_steps": MOST_STEPS}
         if self.method in MULTISTEP:
             options |= {"linear_solver": "csparse", "show_eval_warnings": False}
+        if self.method == "cvodes":
+            options["min_step_size"] = SMALLEST
+        elif self.method == "idas":
+            options["max_num_steps"] = MOST_STEPS // 5
         symbol = ca.MX if self.method in MULTISTEP else ca.SX
         functions = self.library.functions if symbol is ca.MX else self.library.graphs
         problem = _problem(self.library, functions, symbol)
