@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError, SolverError
@@ -42,7 +43,7 @@ def _stiffened(bench: Bench, factor: float) -> Bench:
 
 def _stiff_bearings(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     """Compare ever stiffer bearings with gears that do not move sideways."""
-    options = {"t_end": 0.1 if full else 0.01, "rate": 16384.0, "rtol": 1e-9}
+    options: dict[str, Any] = {"t_end": 0.1 if full else 0.01, "rate": 16384.0, "rtol": 1e-9}
     rigid = open_("psh", SMOOTH | {"effects.lateral": "off"})
     wanted = _forces(rigid, rigid.run(method, **options))
     soft, off, steps = open_("psh", SMOOTH), {}, {}

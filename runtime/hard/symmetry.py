@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -58,7 +59,7 @@ def _equal(open_: Open, method: str, full: bool) -> Iterator[Finding]:
         names = [state.name for state in bench.library.manifest.states]
         x = bench.at.x.copy()
         x[names.index(pushed)] += 1e-5
-        options = {"t_end": 0.5 if full else 0.05, "rate": 8192.0, "rtol": 1e-8}
+        options: dict[str, Any] = {"t_end": 0.5 if full else 0.05, "rate": 8192.0, "rtol": 1e-8}
         path = bench.run(method, at=replace(bench.at, x=x), **options)
         outputs = over_time(bench.library.functions["outputs"], [path.x, path.s, bench.p])
         for mesh in ("sun_planet", "ring_planet"):
