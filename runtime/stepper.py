@@ -33,7 +33,7 @@ METHODS = {
 MULTISTEP = ("cvodes", "idas")
 MOST_STEPS = 1_000_000
 SMALLEST = 1e-10
-"""Step, in a segment's own time, below which cvodes gives up (idas has no such option, and fewer steps): there is no going on from there."""
+"""Step, in a segment's own time, below which cvodes gives up; idas has no such option and gets fewer steps."""
 CONSTANT = np.zeros(0)
 """Rates of the load signals of a model that has none."""
 
