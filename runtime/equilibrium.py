@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from .continuation import follow
 from .kernel import Kernel
 from .library import Library
+from .relaxation import relax
 from .signals import Pairs, Signals
 
 Vector = NDArray[np.float64]
-UNREACHABLE = "no equilibrium: a centre distance falls below the base circles' sum; check center_distance and stiffness"
 ROUNDING = 1e-8
 """Deflection [m], [rad] whose force is what forces out of balance are compared with, where nothing else acts."""
 PULL = "contact.pull"
@@ -23,6 +23,12 @@ PULLS = (1.0, 1e-3, 1e-6)
 """Shares of their stiffness with which teeth pull on the way to the equilibrium."""
 VARYING = "phase.varying"
 """The parameter that lets stiffness and errors vary with the mesh phase; 1 in every run, 0 for their means."""
+LOOSE = 4 * np.finfo(float).eps
+"""Share of the largest singular value, for each freedom, below which a motion meets no stiffness but rounding."""
+OPEN = 1e-9
+"""Share of the forces at work by which those on a loose motion may miss their balance."""
+SLIGHT = 0.1
+"""Share of the loads below which what is out of balance is told."""
 CLOSING = "bearing.closing"
 """The part of bearings' clearance that is taken away; 0 in every run."""
 
@@ -141,12 +147,44 @@ def find_equilibrium(
     if CLOSING in names:
         # A bearing within its clearance holds nothing: open the clearance under load.
         x = follow(lambda part, x: search(x, 1.0, part), x)
-    if PULL in names:
-        # Nor do teeth that just touch: let them pull until the load has pressed them together, on the other flank
-        # too, which lies behind its gap.
-        for share in PULLS:
+    if PULL not in names:
+        return _newton(library, settled(library, p), x, levels, signals)
+    # Nor do teeth that just touch: let them pull until the load has pressed them together, on the other flank
+    # too, which lies behind its gap.
+    try:
+        for share in (*PULLS, 0.0):
             x = search(x, share)
+    except SolverError:
+        relaxed = _relaxed(library, p, levels, signals)
+        if relaxed is None:
+            raise
+        x = relaxed
     return _newton(library, settled(library, p), x, levels, signals)
+
+
+def _relaxed(library: Library, p: Vector, levels: Vector, signals: Vector) -> Vector | None:
+    """Let members fall through their gaps until teeth hold them; None where nothing stops them."""
+    position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
+    rhs, jacobian = Kernel(library.functions["rhs"]), Kernel(library.functions["jac_rhs"])
+    s, start, loaded = np.concatenate([levels, signals]), start_state(library, p), settled(library, p)
+
+    def stiffness(x: Vector, p: Vector) -> Vector:
+        return -_dense(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
+
+    scale = _scale(library, stiffness(start, pulling(library, p)))
+
+    def placed(q: Vector) -> Vector:
+        x = start.copy()
+        x[position] = scale * q
+        return x
+
+    def balance(q: Vector) -> tuple[Vector, Vector]:
+        x = placed(q)
+        return rhs(x, s, loaded)[0][rate] * mass * scale, stiffness(x, loaded) * np.outer(scale, scale)
+
+    first = float(np.linalg.norm(balance(np.zeros(len(position)))[0]))
+    found = relax(balance, np.zeros(len(position)), 1e-9 * first)
+    return None if found is None else placed(found)
 
 
 def _newton(library: Library, p: Vector, x: Vector, levels: Vector, signals: Vector) -> Equilibrium:
@@ -162,14 +200,14 @@ def _newton(library: Library, p: Vector, x: Vector, levels: Vector, signals: Vec
         force = np.asarray(rhs(x, s, p)[0][rate] * mass)
         stiffness = -_dense(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
         if not (np.isfinite(force).all() and np.isfinite(stiffness).all()):
-            raise SolverError(UNREACHABLE)
+            raise SolverError(_unreachable(library, x, s, p))
         residual = _residual(library, force, np.abs(stiffness) @ (np.abs(x[position]) + ROUNDING) + load)
-        delta = _solve(library, stiffness, force, mass)
+        delta = _solve(library, stiffness, force, x[position], load)
         settled = np.abs(delta).max() <= 1e-7 * np.abs(x[position]).max() + ROUNDING**2
         if residual < 1e-13 or (settled and residual < 1e-8 and residual > 0.3 * best):
             return Equilibrium(x, levels, residual, iteration, signals)
         best = min(best, residual)
-        x = _advance(rhs, x, position, delta, s, p)
+        x = _advance(library, x, delta, s, p)
     raise SolverError(
         f"no equilibrium: after 60 Newton steps the forces are out of balance by {residual:.1e} of their size; "
         "check loads, stiffnesses and centre distances"
@@ -181,10 +219,15 @@ def _residual(library: Library, force: Vector, size: Vector) -> float:
 
     A freedom at which nothing acts is measured by the largest of its kind.
     """
-    kinds = np.array([library.manifest.states[i].axis == "u" for i in library.index("")])
+    kinds = _turning(library)
     for kind in (True, False):
         size[kinds == kind] = np.maximum(size[kinds == kind], 1e-3 * size[kinds == kind].max(initial=0.0))
     return float(np.max(np.divide(np.abs(force), size, out=np.zeros_like(force), where=force != 0)))
+
+
+def _turning(library: Library) -> NDArray[np.bool_]:
+    """Tell which deviations are angles."""
+    return np.array([library.manifest.states[i].axis == "u" for i in library.index("")])
 
 
 def _dense(library: Library, nonzeros: Vector) -> Vector:
@@ -201,36 +244,67 @@ def state_matrix(library: Library, x: Vector, s: Vector, p: Vector) -> Vector:
     return _dense(library, Kernel(library.functions["jac_rhs"])(x, s, p, 0.0)[0])
 
 
-def _solve(library: Library, stiffness: Vector, force: Vector, mass: Vector) -> Vector:
-    """Solve one Newton step; an unrestrained member is named."""
-    root = np.sqrt(mass)
-    scaled = stiffness / root[:, None] / root[None, :]
-    left, singular, right = np.linalg.svd(scaled)
-    loose = singular <= 1e-11 * singular[0]
+def _scale(library: Library, stiffness: Vector) -> Vector:
+    """Return what brings the stiffness of every freedom to 1, so that stiff and soft, x and u can be compared."""
+    diagonal, kinds = np.abs(np.diag(stiffness)), _turning(library)
+    for kind in (True, False):
+        largest = diagonal[kinds == kind].max(initial=0.0)
+        diagonal[kinds == kind] = np.maximum(diagonal[kinds == kind], np.finfo(float).eps * largest)
+    return 1.0 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+
+
+def _solve(library: Library, stiffness: Vector, force: Vector, place: Vector, load: Vector) -> Vector:
+    """Solve one Newton step, no further than it must along motions without stiffness; who is pushed along is named.
+
+    A freedom may be loose: gears that turn together, a member within its gap. There the forces must balance, but
+    for rounding: that of a length of ``OPEN`` times ``ROUNDING``, and of the springs' own forces.
+    """
+    scale = _scale(library, stiffness)
+    left, singular, right = np.linalg.svd(stiffness * scale[:, None] * scale[None, :])
+    loose = singular <= LOOSE * len(force) * singular[0]
+    push = np.abs(left[:, loose].T @ (force * scale))
     if loose.any():
-        push = left[:, loose].T @ (force / root)
-        if np.abs(push).max() > 1e-9 * np.linalg.norm(force / root):
-            raise SolverError(_unrestrained(library, np.abs(push @ right[loose])))
+        springs = np.abs(stiffness) @ (OPEN * ROUNDING + 1e-14 * np.abs(place))
+        bound = np.abs(left[:, loose].T) @ ((OPEN * load + springs) * scale)
+        if (push > bound).any():
+            part = push.max() / max(float((np.abs(left[:, loose].T) @ (load * scale)).max()), 1e-300)
+            raise SolverError(_unrestrained(library, push @ np.abs(right[loose] * scale), part))
     inverse = np.where(loose, 0.0, 1.0 / np.where(loose, 1.0, singular))
-    return np.asarray(right.T @ (inverse * (left.T @ (force / root))) / root)
+    return np.asarray(scale * (right.T @ (inverse * (left.T @ (force * scale)))))
 
 
-def _unrestrained(library: Library, shares: Vector) -> str:
-    """Name the members that a load can push without end."""
+def _unrestrained(library: Library, shares: Vector, part: float) -> str:
+    """Name the members that a load can push without end; tell what part of the loads misses its balance if slight."""
     states = [library.manifest.states[i] for i in library.index("")]
     chosen = [f"{s.body} ({s.axis})" for s, share in zip(states, shares, strict=True) if share > 0.3 * shares.max()]
     return (
-        f"no equilibrium: nothing holds {', '.join(chosen)} against the loads; "
+        f"no equilibrium: nothing holds {', '.join(chosen)} against the loads"
+        f"{f', which are out of balance there by {part:.1e} of their size' if part < SLIGHT else ''}; "
         "hold a speed or give an initial_speed in [loads], or give a bearing, a coupling or a torsional_support"
     )
 
 
-def _advance(rhs: Kernel, x: Vector, position: NDArray[np.int64], delta: Vector, s: Vector, p: Vector) -> Vector:
+def _advance(library: Library, x: Vector, delta: Vector, s: Vector, p: Vector) -> Vector:
     """Take a Newton step, halved until the gears still reach each other."""
+    rhs, position = Kernel(library.functions["rhs"]), library.index("")
     for _ in range(40):
         trial = x.copy()
         trial[position] += delta
         if np.isfinite(rhs(trial, s, p)[0]).all():
             return trial
         delta = delta / 2
-    raise SolverError(UNREACHABLE)
+    raise SolverError(_unreachable(library, trial, s, p))
+
+
+def _unreachable(library: Library, x: Vector, s: Vector, p: Vector) -> str:
+    """Name the meshes whose gears overlap by their base circles."""
+    values = Kernel(library.functions["outputs"])(x, s, p)[0]
+    named = [
+        report.item
+        for value, report in zip(values, library.manifest.reports, strict=True)
+        if report.quantity == "pressure_angle" and not np.isfinite(value)
+    ]
+    return (
+        f"no equilibrium: a centre distance falls below the base circles' sum{' at ' if named else ''}"
+        f"{', '.join(named)}; check center_distance, the stiffness of bearings, and flank (bilateral teeth pull)"
+    )

@@ -10,8 +10,10 @@ from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
 from .brake import Brake
+from .diagnosis import explain
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
+from .guard import EXPLICIT, check_explicit
 from .library import Library
 from .march import March, Snapshot
 from .sampling import Block, Samples, join
@@ -116,6 +118,8 @@ class Integration:
         tables: Mapping[str, Pairs] | None = None,
     ) -> None:  # fmt: skip
         clock = perf_counter()
+        if method in EXPLICIT:
+            check_explicit(library, at, p, t_end)
         last = round(t_end * rate)
         self.signals = Signals(library.manifest.signals, tables or {})
         self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})"
@@ -176,7 +180,7 @@ class Integration:
                 duration, path, level = march.segment(samples.end - start)
             except RuntimeError as error:
                 cause = str(error).strip().splitlines()[-1][:200]
-                return f"{self.stopped.format(start)}: {cause}; {CURE}"
+                return f"{self.stopped.format(start)}: {explain(march) or f'{cause}; {CURE}'}"
             samples.take(start, duration, path, level)
             now = perf_counter()
             if now - shown > 0.1:

@@ -7,7 +7,7 @@ from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.kernel import Kernel
 
 from .hand_gearing import contact_ratio
-from .models import MESHES, TORQUE_DRIVEN, case, make_case
+from .models import MESHES, TORQUE_DRIVEN, Case, case, make_case
 
 STATICS = {"lsp": 3.575e5, "hsp": 1.0357e5, "psh": 1.1834e5}
 """Normal forces [N], lossless, by torque over n r_b (READING.md)."""
@@ -190,3 +190,92 @@ def test_chosen_levels_are_kept():
     sun = c.state("lsp.sun.u")
     assert (at.levels == 0).all()
     assert abs(at.x[sun]) > abs(stiffer.x[sun])
+
+
+# --- stiff beside soft, light beside heavy
+
+
+def statics_error(c):
+    """The largest error of the rig's mean mesh forces against statics."""
+    found = [(stage_mean(c, mesh), STATICS[stage]) for stage in STATICS for mesh in MESHES[stage]]
+    return max(abs(force / wanted - 1) for force, wanted in found)
+
+
+def scaled(c, factor, *endings):
+    """The case with some numbers times a factor."""
+    values = c.model.values()
+    values |= {name: value * factor for name, value in values.items() if name.endswith(endings)}
+    other = Case(c.scene, c.model, c.library)
+    other.__dict__["p"] = c.library.parameters(values)
+    return other
+
+
+COUPLINGS = ("shaft.stiffness", "lsp_hsp.stiffness", "hsp_psh.stiffness", "flange.stiffness")
+
+
+@pytest.mark.parametrize("factor", [1e4, 1e7, 1e8])
+@pytest.mark.parametrize("names", [("bearing.stiffness", "pin.stiffness"), COUPLINGS])
+def test_stiff_parts_are_in_equilibrium_too(names, factor):
+    found = scaled(case("rig-2mw"), factor, *names)
+    assert statics_error(found) < 5e-3
+    assert found.at.residual < 1e-8
+
+
+def test_light_planets_are_no_obstacle():
+    light = scaled(case("rig-2mw"), 1e-9, "hsp.planet.mass", "hsp.planet.inertia")
+    assert statics_error(light) < 5e-3
+
+
+# --- torques that balance at rest
+
+
+def gear_pair(one, two, contact="bilateral"):
+    """A pair at rest under two torques [N m], 19 against 71 teeth."""
+    gear = {"support": "rigid", "inertia": "1e-3 kg*m^2"}
+    stage = {
+        "kind": "pair", "module": "4 mm", "pressure_angle": "20 deg", "input": {"teeth": 19, **gear},
+        "output": {"teeth": 71, **gear}, "mesh": {"stiffness": "7e8 N/m", "backlash": "0.1 mm"},
+    }  # fmt: skip
+    loads = {
+        "one": {"member": "pair.input", "torque": f"{one} N*m"},
+        "two": {"member": "pair.output", "torque": f"{two} N*m"},
+    }
+    effects = {"mesh_stiffness": "mean", "contact": contact}
+    return make_case({"title": "pair at rest", "effects": effects, "stages": {"pair": stage}, "loads": loads})
+
+
+@pytest.mark.parametrize("contact", ["bilateral", "one-flank", "backlash"])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_torques_that_balance_need_no_support(contact, sign):
+    c = gear_pair(sign * 19, sign * 71, contact)
+    radius = 19 * 4e-3 / 2 * np.cos(np.radians(20))
+    assert max(forces(c).values()) == pytest.approx(19 / radius, rel=1e-9)
+
+
+def test_torques_that_nearly_balance_are_refused_with_what_is_missing():
+    with pytest.raises(SolverError, match=r"nothing holds pair\..* out of balance there by .*e-0[45] of their size"):
+        _ = gear_pair(19, 71.01).at
+
+
+# --- members within their gaps
+
+GAPS = ('effects.contact = "backlash"', *(f'stages.{mesh}.backlash = "0.2 mm"' for mesh in MESHES["lsp"]))
+IDLE = 'loads.sun.torque = "0 N*m"'
+
+
+@pytest.mark.parametrize("settings", [(), LOOSE])
+def test_an_idle_stage_with_gaps_rests(settings):
+    c = case("lsp", *GAPS, IDLE, *settings)
+    assert np.abs(c.at.x[c.library.index("")]).max() < 1e-15
+    assert max(forces(c).values()) < 1e-6
+
+
+@pytest.mark.parametrize("settings", [(IDLE,), (IDLE, *LOOSE), LOOSE, ('loads.sun.torque = "1 N*m"',)])
+def test_members_fall_through_their_gaps_until_teeth_hold_them(settings):
+    """Sun and ring float: what pins and bearings carry is the weight of all, and no tooth pulls."""
+    c = case("lsp", *GAPS, 'effects.gravity = "on"', *settings)
+    values = c.model.values()
+    weight = G * (values["lsp.ring.mass"] + values["lsp.sun.mass"] + 4 * values["lsp.planet.mass"])
+    assert total(c, "bearing_force", "y") + total(c, "pin_force", "y") == pytest.approx(weight, rel=1e-6)
+    assert min(forces(c).values()) >= 0.0
+    assert 1e-4 < abs(c.at.x[c.state("lsp.sun.y")]) + abs(c.at.x[c.state("lsp.sun.x")]) < 1e-3

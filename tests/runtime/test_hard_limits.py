@@ -1,0 +1,81 @@
+"""Hard cases about limits, equilibrium and symmetry, each with every method."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime.guard import check_explicit
+from ltcgear.runtime.hard import limits, symmetry
+from ltcgear.runtime.hard.case import Bench
+from ltcgear.runtime.integration import integrate
+from ltcgear.runtime.library import build
+from ltcgear.runtime.relaxation import relax
+from ltcgear.runtime.results import make_dataset
+from ltcgear.runtime.stepper import METHODS
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.scene import load_scene
+
+CASES = {case.name: case for case in (*limits.CASES, *symmetry.CASES)}
+REFUSED = {
+    ("tiny-inertia-long", "erk"): r"erk would need about \de\+\d+ steps: speck \(u\) .* use --method rosenbrock",
+    ("tiny-inertia-long", "idas"): r"idas stopped at t = 0 s .*try another --method",
+}
+"""What may refuse a case, and the reason it must give."""
+
+
+@cache
+def built(name, changes):
+    model = build_model(load_scene(name, dict(changes)))
+    return Bench(build(obtain(model)), model.values(), model.tables)
+
+
+def open_bench(name, changes):
+    """Build a scene on the test bench, once a session."""
+    return built(name, tuple(sorted(changes.items())))
+
+
+RUNS = [(name, method) for name, case in CASES.items() for method in (METHODS if case.integrates else ("-",))]
+
+
+@pytest.mark.parametrize(("name", "method"), RUNS)
+def test_a_case_is_right_or_refused_with_its_reason(name, method):
+    if (name, method) in REFUSED:
+        with pytest.raises(LtcgearError, match=REFUSED[name, method]):
+            list(CASES[name].check(open_bench, method, False))
+        return
+    found = list(CASES[name].check(open_bench, method, False))
+    assert found
+    assert [(item.what, item.value, item.limit) for item in found if not item.right] == []
+
+
+@pytest.mark.parametrize("method", ["erk", "cvodes"])
+def test_a_run_in_which_gears_collide_keeps_only_finite_values(method):
+    bench = open_bench("psh", limits.CLOSING)
+    path = integrate(
+        bench.library, bench.p, bench.at, t_end=0.2, rate=8192.0, method=method, rtol=1e-5, tables=bench.tables
+    )
+    assert 0.05 < path.end < 0.15
+    assert path.status.startswith(f"{method} stopped at t = 0.09")
+    assert "gears of psh.mesh come so close" in path.status
+    assert np.isfinite(make_dataset(bench.library, bench.p, path)["mesh_force"].values).all()
+    assert np.isfinite(path.x).all()
+    assert len(path.time) > 100
+
+
+def test_a_long_run_of_a_train_that_is_not_stiff_is_not_refused():
+    bench = open_bench("psh", {})
+    check_explicit(bench.library, bench.at, bench.p, 3e4)
+    with pytest.raises(LtcgearError, match=r"psh\.(input|output|mesh)"):
+        check_explicit(bench.library, bench.at, bench.p, 1e7)
+
+
+def test_what_falls_through_a_gap_is_held_and_what_nothing_stops_is_told():
+    def wall(q):
+        """A unit weight, and a spring beyond 5."""
+        deep = np.maximum(q - 5.0, 0.0)
+        return 1.0 - deep, np.diag((q > 5.0).astype(float))
+
+    assert relax(wall, np.zeros(1), 1e-12) == pytest.approx([6.0])
+    assert relax(lambda q: (np.ones(1), np.zeros((1, 1))), np.zeros(1), 1e-12) is None
