@@ -109,6 +109,12 @@ class Exact:
             part = np.mod(self.tau + self.rate * (start + stop) / 2, 1.0)
             yield float(start), float(stop), (part >= self.share).astype(np.float64)
 
+    def clear(self, times: Vector) -> NDArray[np.bool_]:
+        """Say of each time [s] whether no mesh is within a billionth of a pitch of a jump."""
+        tau = self.tau + np.multiply.outer(times, self.rate)
+        away = [np.abs(tau - border - np.rint(tau - border)) for border in (0.0, self.share)]
+        return np.asarray(np.min(away, axis=0).min(axis=1, initial=1.0) > 1e-9)
+
     def solve(self, times: Vector) -> tuple[Vector, Vector]:
         """Return states and levels at ascending times [s], shapes (m, n) and (m, l).
 

@@ -314,6 +314,8 @@ def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two
         yield f"{key}: double_factor and tooth_errors need the teeth of both gears"
         return
     if mesh.contact_ratio is not None:
+        if mesh.tooth_errors and mesh.contact_ratio in (1.0, 2.0):
+            yield f"{key}.contact_ratio: tooth_errors are handed over in double contact; give one between 1 and 2"
         return
     if stage.module is None:
         yield f"{key}.contact_ratio: is missing; without module and pressure_angle it cannot be computed"
