@@ -35,7 +35,7 @@ def check_in_phase(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     """Turn four planets in phase forwards and backwards, then there and back."""
     for way, changes in (("forwards", {}), ("backwards", BACKWARDS)):
         bench = open_("hard-in-phase", changes)
-        path = bench.run(method, t_end=1.4 if full else 0.02, rate=8192.0, rtol=TIGHTEST)
+        path = bench.run(method, t_end=0.7 if full else 0.02, rate=8192.0, rtol=TIGHTEST)
         for finding in against_exact(bench, _exact(bench), path):
             yield replace(finding, what=f"{way}: {finding.what}")
         forces = mesh_forces(bench, path)
