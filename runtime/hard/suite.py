@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from multiprocessing import get_context
@@ -142,7 +143,11 @@ def run_suite(
     """
     jobs = [(i, method) for i, case in enumerate(cases) for method in (methods if case.integrates else [NO_METHOD])]
     work = [partial(run_case, cases[i], method, open_, full) for i, method in jobs]
-    outcomes = _in_turn(work, told) if workers < 2 else _side_by_side(work, workers, told)
+    if workers < 2:
+        outcomes = _in_turn(work, told)
+    else:
+        futures = _side_by_side(work, workers, told)
+        outcomes = [outcome_of(future, method) for future, (_, method) in zip(futures, jobs, strict=True)]
     shown = []
     for i, case in enumerate(cases):
         own = with_slow(outcome for (k, _), outcome in zip(jobs, outcomes, strict=True) if k == i)
@@ -164,14 +169,22 @@ def _in_turn(work: Work, told: Callable[[float], None]) -> list[Outcome]:
     return outcomes
 
 
-def _side_by_side(work: Work, workers: int, told: Callable[[float], None]) -> list[Outcome]:
+def _side_by_side(work: Work, workers: int, told: Callable[[float], None]) -> list[Future[Outcome]]:
     """Run in fresh processes, so that nothing of an integrator's memory is shared."""
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
-        futures: list[Future[Outcome]] = [pool.submit(job) for job in work]
+        futures = [pool.submit(job) for job in work]
         try:
             for done, _ in enumerate(as_completed(futures), start=1):
                 told(done)
         except KeyboardInterrupt:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-        return [future.result() for future in futures]
+        return futures
+
+
+def outcome_of(future: Future[Outcome], method: str) -> Outcome:
+    """Return what a process found; one that died found its case wrong, and so did those that waited for it."""
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        return Outcome(method, WRONG, (), "a process died on the way; run cases and methods one by one", 0.0, {})

@@ -2,6 +2,8 @@
 
 import json
 import sys
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +15,7 @@ from ltcgear.runtime.hard import case as bench_module
 from ltcgear.runtime.hard import cases as all_cases
 from ltcgear.runtime.hard.case import Finding, HardCase
 from ltcgear.runtime.hard.matrix import draw_matrix, make_table
-from ltcgear.runtime.hard.suite import run_case, run_suite
+from ltcgear.runtime.hard.suite import outcome_of, run_case, run_suite, with_slow
 from ltcgear.runtime.stepper import METHODS
 
 CASES = {case.name: case for case in all_cases.CASES}
@@ -154,12 +156,16 @@ def test_right_but_far_slower_than_another_right_one_is_slow():
         replace(judged(made("a", Finding("force", 0.5, limit))), method=method, seconds=seconds)
         for method, seconds, limit in (("quick", 0.1, 0.1), ("one", 1.0, 1.0), ("two", 29.0, 1.0), ("three", 31.0, 1.0))
     ]
-    from ltcgear.runtime.hard.suite import with_slow
-
     found = with_slow(outcomes)
     # The quickest is wrong and sets no pace.
     assert [item.verdict for item in found] == ["wrong", "ok", "ok", "slow"]
     assert "30 times" in found[3].reason
+
+
+def test_a_process_that_dies_is_wrong():
+    future = Future()
+    future.set_exception(BrokenProcessPool("died"))
+    assert outcome_of(future, "idas").verdict == "wrong"
 
 
 def test_what_integrates_nothing_is_run_once_and_one_wrong_result_fails_all():
