@@ -4,6 +4,10 @@ Every generated model has these functions, with x the states, s the mesh levels 
 signals, p the parameters. Signals are values of the scene's tables over time, which change linearly
 between the rows; the tables themselves are numbers of the scene and no part of the C.
 
+Laws with regimes (teeth that part, races that are reached) have a border each, where an indicator g passes
+through zero. With its hold, a parameter, at 0 the state decides on which side they are; a hold of ``HELD`` or
+``-HELD`` keeps the side of positive or negative g whatever the state, so that what is integrated has no kink.
+
 ============  ===========  ==========================================================
 function      arguments    results
 ============  ===========  ==========================================================
@@ -11,6 +15,7 @@ function      arguments    results
 ``jac_rhs``   x, s, p, -   d xdot / d x (sparse), as CasADi expects it of ``rhs``
 ``outputs``   x, s, p      y
 ``phases``    x, s, p      tau, tau_rate, share
+``borders``   x, s, p      g, one a hold
 ``energy``    x, s, p      kinetic, strain, weight [J], power put in, power lost [W]
 ============  ===========  ==========================================================
 """
@@ -19,10 +24,12 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
-FORMAT = 2
+FORMAT = 3
+HELD = 1e30
+"""A force [N] or length [m] beyond all others, with which a regime is held."""
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
-FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "energy")
+FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "borders", "energy")
 
 
 @dataclass(frozen=True)
@@ -57,6 +64,33 @@ class Signal:
 
 
 @dataclass(frozen=True)
+class Clock:
+    """What follows the reference angle phi without end: start + advance phi / 2 pi, a mesh phase or an angle.
+
+    In one turn of the reference it advances by ``teeth (ratio - frame)`` cycles, or turns of an angle. Whole turns
+    of the reference may be taken off phi if ``start`` takes them up, whole periods left out.
+
+    Attributes
+    ----------
+    start
+        Parameter [cycles], or [rad] for an angle.
+    teeth, ratio, frame
+        Parameters; ``""`` stands for 1, 0 and 0.
+    periods
+        Parameters whose values are periods [cycles] of something that follows the clock; it has the period 1 too.
+    mesh
+        The mesh whose phase it is, ``""`` for an angle.
+    """
+
+    start: str
+    teeth: str
+    ratio: str
+    frame: str
+    periods: tuple[str, ...] = ()
+    mesh: str = ""
+
+
+@dataclass(frozen=True)
 class Signature:
     """Shapes of a function's arguments and results, non-zeros of the first result, operations."""
 
@@ -84,6 +118,10 @@ class Manifest:
         Version that emitted the C.
     signals
         Load signals, which follow the levels in s.
+    holds
+        Parameters that hold a regime, in the order of g.
+    clocks
+        What follows the reference angle without end.
     """
 
     key: str
@@ -95,6 +133,8 @@ class Manifest:
     functions: dict[str, Signature]
     casadi: str
     signals: tuple[Signal, ...] = ()
+    holds: tuple[str, ...] = ()
+    clocks: tuple[Clock, ...] = ()
     format: int = FORMAT
 
     def to_json(self) -> str:
@@ -131,6 +171,8 @@ class Manifest:
             raw["key"], raw["reference"], tuple(State(**item) for item in raw["states"]), tuple(raw["levels"]),
             tuple((name, unit) for name, unit in raw["parameters"]), tuple(Report(**item) for item in raw["reports"]),
             functions, raw["casadi"], tuple(Signal(**item) for item in raw["signals"]),
+            tuple(raw["holds"]),
+            tuple(Clock(**item | {"periods": tuple(item["periods"])}) for item in raw["clocks"]),
         )  # fmt: skip
 
 

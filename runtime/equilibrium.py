@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
+from ltcgear.generated.contract import HELD
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
@@ -87,6 +88,14 @@ def settled(library: Library, p: Vector) -> Vector:
 def pulling(library: Library, p: Vector, share: float = 1.0) -> Vector:
     """Return the settled parameters with one-sided teeth that pull with a share of their stiffness."""
     return _replaced(library, settled(library, p), PULL, share)
+
+
+def closed(library: Library, p: Vector) -> Vector:
+    """Return the settled parameters with all contacts closed: no clearance, and every tooth pushing and pulling."""
+    values = _replaced(library, pulling(library, p), CLOSING, 1.0)
+    names = [name for name, _ in library.manifest.parameters]
+    values[[names.index(hold) for hold in library.manifest.holds]] = HELD
+    return values
 
 
 def _replaced(library: Library, p: Vector, name: str, value: float) -> Vector:

@@ -33,13 +33,12 @@ class MeshExtremes:
         self.steady = np.full((2, len(rows)), np.nan)
         outputs = library.functions["outputs"]
         self.kernel = Kernel(outputs.map("outputs_at_nodes", "serial", nodes, [2], [])) if rows else None
-        if self.kernel:
-            self.kernel.arguments[2][:] = p
 
-    def note(self, states: Vector, s: Vector, times: Vector) -> None:
-        """Take in a segment: states (nodes, n), levels and signals, one row or (nodes, ...), node times [s]."""
+    def note(self, states: Vector, s: Vector, p: Vector, times: Vector) -> None:
+        """Take in a segment: states (nodes, n), levels and signals (nodes, n_s), parameters, node times [s]."""
         if self.kernel is None:
             return
+        self.kernel.arguments[2][:] = p
         self.kernel.arguments[0][:] = states.ravel()
         self.kernel.arguments[1].reshape(len(times), -1)[:] = s
         self.kernel.evaluate()

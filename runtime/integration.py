@@ -48,6 +48,8 @@ class Trajectory:
         Time reached [s].
     seconds
         Time taken to set the integrator up (it may have to be compiled) and to integrate [s].
+    phi, turns
+        Reference angle [rad] less the whole turns that were taken off it, and these, shapes (m,).
     """
 
     time: Vector
@@ -63,6 +65,8 @@ class Trajectory:
     end: float
     seconds: dict[str, float]
     signals: Vector
+    phi: Vector
+    turns: NDArray[np.int64]
 
     @property
     def s(self) -> Vector:
@@ -114,7 +118,7 @@ def integrate(
         *samples.taken(), march.work, march.jump_energy, energy, march.stepper.counts, expected, march.extremes, status,
         min(march.time, float(samples.time[-1])),
         {"prepare": prepared - clock, "integrate": perf_counter() - prepared},
-        signals.over(samples.time[: samples.done]),
+        signals.over(samples.time[: samples.done]), samples.phi[: samples.done], samples.turns[: samples.done],
     )  # fmt: skip
 
 

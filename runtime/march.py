@@ -1,19 +1,25 @@
 """March: an integration under way, segment by segment of smooth motion between switching instants."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from .clocks import TURN, Clocks
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
 from .kernel import Kernel
 from .library import Library
 from .nodes import Chebyshev, Nodes, Uniform
+from .regimes import Regimes, Sides
 from .scaling import fastest, vibration_scale
 from .signals import Signals
-from .stepper import MULTISTEP, Frame, make_stepper
+from .stepper import MULTISTEP, Arc, Frame, make_stepper
 from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
 
 Vector = NDArray[np.float64]
+MOST_TURNS = 16
+"""Turns of the reference in a block of samples, at whose end whole turns are taken off its angle."""
 
 
 class March:
@@ -23,7 +29,15 @@ class March:
         self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
         signals: Signals,
     ) -> None:  # fmt: skip
-        self.library, self.p, self.at, self.signals = library, p, at, signals
+        self.library, self.signals = library, signals
+        names, kinds = [state.name for state in library.manifest.states], library.manifest.signals
+        self.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), None)
+        self.angle = names.index("reference.angle") if "reference.angle" in names else -1
+        self.held, self.clocks = held_speed(library, p), Clocks(library.manifest, p)
+        self.turns = 0 if self.angle < 0 else self.clocks.turns_in(float(at.x[self.angle]))
+        self.at = at = replace(at, x=at.x.copy())
+        at.x[self.angle] -= TURN * self.turns
+        self.p = p = self.clocks.parameters(self.turns)
         self.frame = Frame(at.x, vibration_scale(library, at, p))
         self.nodes, self.longest = self._layout(method, samples, rate)
         self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:])
@@ -32,13 +46,12 @@ class March:
             Kernel(library.functions["energy"]),
         )
         self.z = np.zeros(len(at.x))
-        self.work = self.jump_energy = self.time = 0.0
-        names, kinds = [state.name for state in library.manifest.states], library.manifest.signals
-        self.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), None)
-        self.angle = names.index("reference.angle") if "reference.angle" in names else -1
+        self.work = self.jump_energy = self.time = self.unpassed = 0.0
         start = signals.at(0.0)
         self.cells: Cells = cells_of(self.phases(self.z, start))
         self.last_turn, self.expected, self.reversed = self.cells, 0, False
+        s = np.concatenate([levels_of(self.cells), start])
+        self.regimes = Regimes(library, self.p, self.frame, self.nodes, rtol, s)
         self.first_energy = self.energy(self.z, self.cells, start)
         self.extremes = MeshExtremes(library, p, len(self.nodes.points), samples / rate)
 
@@ -48,11 +61,19 @@ class March:
         A segment between switchings is so short that the fastest mode turns by 8 rad between 17 nodes, or
         16 rad between 25, at most; polynomials through them are right to 1e-9 then.
         """
-        if not self.library.manifest.levels and not self.library.manifest.signals:
-            block = min(256, samples)
+        manifest = self.library.manifest
+        if not (manifest.levels or manifest.signals or manifest.holds):
+            turning = self._reference_speed() / (MOST_TURNS * TURN)
+            block = max(1, min(256, samples, int(rate / turning) if turning else samples))
             return Uniform(block), block / rate
         count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
         return Chebyshev(count), turn / fastest(self.library, self.at, self.p)
+
+    def _reference_speed(self) -> float:
+        """Return the size of the reference speed at the start [rad/s]."""
+        names = [state.name for state in self.library.manifest.states]
+        free = float(self.at.x[names.index("reference.speed")]) if "reference.speed" in names else 0.0
+        return abs(free if self.held is None else self.held)
 
     def phases(self, z: Vector, signals: Vector) -> Phases:
         """Return the mesh phases of a state under some load signals."""
@@ -71,6 +92,7 @@ class March:
 
         Where nothing switches or bends, the last block of samples is finished even beyond the end.
         """
+        self._rebase()
         signals, slope = self.signals.at(self.time), self.signals.rate(self.time)
         now, knot = self.phases(self.z, signals), self.signals.next_knot(self.time)
         most = min(self.longest, knot - self.time, left if isinstance(self.nodes, Chebyshev) else self.longest)
@@ -82,35 +104,99 @@ class March:
         if duration <= 0:
             raise RuntimeError("two switching instants of one mesh fall together; check its contact ratio")
         s = np.concatenate([levels, signals])
-        for _ in range(20):
-            arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
-            times = arc.duration * self.nodes.points
-            path = self._on_course(arc.z, times, signals, slope)
-            after = self.phases(path[-1], signals + slope * duration)
+        self._settle(s)
+        arc, cells = self._to_border(duration, now, s, slope)
+        times, duration = arc.duration * self.nodes.points, arc.duration
+        self.extremes.note(
+            self.frame.origin + self.frame.scale * arc.z, self._along(s, times, slope), self.p, self.time + times
+        )
+        self._pass(duration, knot)
+        self.work, self.z = self.work + float(arc.work[-1]), arc.z[-1].copy()
+        self._switch(cells, signals + slope * duration)
+        return duration, arc.z, levels
+
+    def _to_border(self, duration: float, now: Phases, s: Vector, slope: Vector) -> tuple[Arc, Cells]:
+        """Integrate for a duration, or to the first border if that comes before; return the cells after it."""
+        aimed = False
+        for trial in range(20):
+            arc = self._arc(duration, s, slope)
+            along = self._along(s, arc.duration * self.nodes.points, slope)
+            after = self.phases(arc.z[-1], along[-1, len(self.cells) :])
             cells, part = crossed(self.cells, now, after)
-            if part == 1.0:
+            if aimed:
+                correction, sides = self.regimes.end(arc, along, trial)
+                if correction == 0:
+                    self._change(sides)
+                    break
+                duration *= 1 + correction
+                continue
+            first, at_once = self.regimes.cross(arc, along)
+            if (at_once != self.regimes.sides).any():
+                self._change(at_once)
+                continue
+            if min(part, first) == 1.0:
                 break
-            duration *= part  # the rates were not constant: go back to the segment's start with a shorter one
+            aimed = first < part
+            duration *= min(part, first)  # go back to the segment's start with a shorter one
         else:
             raise RuntimeError("a switching instant could not be located in 20 trials")
         self.reversed |= self.speed is None and bool((now.rate * after.rate < 0).any())
-        self.extremes.note(
-            self.frame.origin + self.frame.scale * path, s + np.outer(times, self._rates(slope)), self.time + times
-        )
-        self.time = knot if duration == knot - self.time else self.time + duration
-        self.work, self.z = self.work + float(arc.work[-1]), path[-1].copy()
-        self._switch(cells, signals + slope * duration)
-        return duration, path, levels
+        return arc, cells
+
+    def _arc(self, duration: float, s: Vector, slope: Vector) -> Arc:
+        """Integrate for a duration with levels and sides held."""
+        arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
+        times = arc.duration * self.nodes.points
+        return Arc(arc.duration, self._on_course(arc.z, times, s[len(self.cells) :], slope), arc.work)
+
+    def _settle(self, s: Vector) -> None:
+        """Bring the regimes in line with the state, and tell the stepper which sides hold."""
+        self._change(self.regimes.settled(self.z, s))
+
+    def _change(self, sides: Sides) -> None:
+        """Go over to other sides of borders."""
+        self.stepper.counts.regimes += int((sides != self.regimes.sides).sum())
+        self.regimes.sides = sides
+        self._renumber()
+
+    def _renumber(self) -> None:
+        """Put the sides that hold into the parameters, and hand these on."""
+        self.regimes.hold(self.p)
+        self.stepper.renumber(self.p)
+
+    def _along(self, s: Vector, times: Vector, slope: Vector) -> Vector:
+        """Return levels and signals at times after the start of an arc, shape (times, n_s)."""
+        return s + np.outer(times, self._rates(slope))
+
+    def _pass(self, duration: float, knot: float) -> None:
+        """Let time pass; what a late time rounds off is kept for the next (Kahan's sum), a knot is met exactly."""
+        before, due = self.time, duration + self.unpassed
+        met = duration == knot - before
+        self.time = knot if met else before + due
+        self.unpassed = 0.0 if met else due - (self.time - before)
+
+    def _rebase(self) -> None:
+        """Take whole turns off the reference angle, and whole periods off all that follows it."""
+        angle, scale = self.angle, self.frame.scale
+        more = 0 if angle < 0 else self.clocks.turns_in(float(self.frame.origin[angle] + scale[angle] * self.z[angle]))
+        if not more:
+            return
+        meshes, turns = self.library.manifest.levels, self.turns + more
+        gone = 2 * (self.clocks.cycles(meshes, turns) - self.clocks.cycles(meshes, self.turns))
+        self.cells, self.last_turn, self.turns = self.cells - gone, self.last_turn - gone, turns
+        self.z[angle] -= TURN * more / scale[angle]
+        self.p[:] = self.clocks.parameters(turns)
+        self._renumber()
 
     def _rates(self, slope: Vector) -> Vector:
         """Return the rates of levels and signals."""
         return np.concatenate([np.zeros(len(self.library.manifest.levels)), slope])
 
     def _on_course(self, path: Vector, times: Vector, signals: Vector, slope: Vector) -> Vector:
-        """Put in the reference angle, which a speed over time makes known: no tolerance then moves a switching."""
-        if self.speed is not None:
-            angle, speed = self.angle, self.speed
-            turned = signals[speed] * times + slope[speed] * times**2 / 2
+        """Put in the reference angle, which a held speed makes known: no tolerance then moves a switching."""
+        speed, angle = self.speed, self.angle
+        if speed is not None or self.held is not None:
+            turned = signals[speed] * times + slope[speed] * times**2 / 2 if self.held is None else self.held * times
             path[:, angle] = path[0, angle] + turned / self.frame.scale[angle]
         return path
 
@@ -149,3 +235,10 @@ class March:
             self.jump_energy += self.energy(self.z, cells, signals) - before
             self.stepper.counts.events += int(np.abs(cells - self.cells).sum())
             self.cells = cells
+
+
+def held_speed(library: Library, p: Vector) -> float | None:
+    """Return the reference speed [rad/s] where it is one number that is held."""
+    names = [name for name, _ in library.manifest.parameters]
+    held = library.manifest.reference == "speed" and "reference.speed" in names
+    return float(p[names.index("reference.speed")]) if held else None

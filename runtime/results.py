@@ -10,9 +10,10 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
+from .clocks import Clocks
 from .equilibrium import Equilibrium
 from .integration import Trajectory
-from .kernel import Kernel, over_time
+from .kernel import Kernel
 from .library import Library
 from .scaling import UNLOADED
 
@@ -66,6 +67,16 @@ def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Trajecto
     return missing / max(strain, abs(path.work) + abs(path.jump_energy), UNLOADED * freedoms)
 
 
+def outputs_of(library: Library, p: Vector, path: Trajectory) -> Vector:
+    """Evaluate the outputs along a trajectory, shape (m, n_y); mesh phases count on over all turns."""
+    clocks = Clocks(library.manifest, p)
+    values = clocks.outputs(library.functions["outputs"], path.x, path.s, path.phi, path.turns)
+    for column, report in enumerate(library.manifest.reports):
+        if report.quantity == "mesh_phase":
+            values[:, column] += clocks.unwound(report.item, path.turns)
+    return values
+
+
 def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> tuple[NDArray[np.int64], Vector]:
     """Read the outputs at every ``oversample``-th time, accelerations free of aliases.
 
@@ -79,7 +90,7 @@ def sampled(library: Library, p: Vector, path: Trajectory, oversample: int) -> t
     rows, values
         Which samples of the trajectory are kept, shape (m,), and the outputs there, shape (m, n_y).
     """
-    values = over_time(library.functions["outputs"], [path.x, path.s, p])
+    values = outputs_of(library, p, path)
     rows: NDArray[np.int64] = np.arange(0, len(path.time), oversample, dtype=np.int64)
     if oversample == 1 or len(rows) < 2 * MARGIN or "velocity_x" not in _by_quantity(library):
         return rows, values[rows]

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from .equilibrium import Equilibrium, inertias, pulling, state_matrix
+from .equilibrium import Equilibrium, closed, inertias, pulling, state_matrix
 from .kernel import Kernel
 from .library import Library
 
@@ -34,7 +34,7 @@ def vibration_scale(library: Library, at: Equilibrium, p: Vector) -> Vector:
 
 
 def fastest(library: Library, at: Equilibrium, p: Vector) -> float:
-    """Return the largest eigenvalue's modulus [1/s] of the linearised model."""
+    """Return the largest eigenvalue's modulus [1/s] of the linearised model, all its contacts closed."""
     scale = vibration_scale(library, at, p)
-    matrix = state_matrix(library, at.x, at.s, pulling(library, p)) * scale[None, :] / scale[:, None]
+    matrix = state_matrix(library, at.x, at.s, closed(library, p)) * scale[None, :] / scale[:, None]
     return float(np.abs(np.linalg.eigvals(matrix)).max())

@@ -46,6 +46,7 @@ class Counts:
     rejected: int = 0
     segments: int = 0
     events: int = 0
+    regimes: int = 0
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,9 @@ class Stepper(Protocol):
 
         ``s`` are levels and load signals at the segment's start, ``slope`` the signals' rates.
         """
+
+    def renumber(self, p: Vector) -> None:
+        """Go on with other parameters, shape (n_p,)."""
 
 
 def make_stepper(library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector) -> Stepper:
@@ -150,6 +154,10 @@ class _Base:
 
     def _count(self, duration: float) -> None:
         raise LtcgearError("a stepper keeps its own counts")
+
+    def renumber(self, p: Vector) -> None:
+        """Go on with other parameters."""
+        self.part["p"][:] = p
 
     def _evaluate(self) -> None:
         """Evaluate the integrator on the buffers; RuntimeError where it fails."""

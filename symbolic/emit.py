@@ -20,6 +20,7 @@ def functions(equations: Equations) -> dict[str, ca.Function]:
         "jac_rhs": _joined(rhs.jacobian()),
         "outputs": _function("outputs", [x, s, p], [equations.outputs], ["x", "s", "p"], ["y"]),
         "phases": _function("phases", [x, s, p], list(equations.phases), ["x", "s", "p"], ["tau", "tau_rate", "share"]),
+        "borders": _function("borders", [x, s, p], [equations.borders], ["x", "s", "p"], ["g"]),
         "energy": _function("energy", [x, s, p], [equations.energy], ["x", "s", "p"], ["balance"]),
     }
 
@@ -61,7 +62,7 @@ def emit(model: Model, equations: Equations) -> Artifact:
     manifest = Manifest(
         digest([c, graphs]), model.reference, equations.states, equations.levels, equations.parameters,
         equations.reports, {name: _signature(function) for name, function in made.items()}, ca.CasadiMeta.version(),
-        model.signals,
+        model.signals, equations.holds, model.clocks,
     )  # fmt: skip
     return Artifact(c, manifest, graphs)
 

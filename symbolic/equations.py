@@ -59,6 +59,8 @@ class Equations:
         What the outputs are, and their expressions.
     phases
         Per level: phase tau [cycles], its rate [1/s], share of single contact.
+    holds, borders
+        Parameters that hold a regime, and the indicators whose zeros are the borders between regimes.
     energy
         Kinetic and strain energy, that of weight [J], power put in and power lost [W].
     forces, carried
@@ -77,6 +79,8 @@ class Equations:
     reports: tuple[Report, ...]
     outputs: ca.SX
     phases: tuple[ca.SX, ca.SX, ca.SX]
+    holds: tuple[str, ...]
+    borders: ca.SX
     energy: ca.SX
     forces: dict[str, ca.SX]
     carried: dict[str, ca.SX]
@@ -108,8 +112,8 @@ def derive(model: Model, derivation: str = "newton", basis: str = "frame") -> Eq
 class _Assembly(Kinematics):
     """One derivation under way: elements at the ports of bodies, sums of wrenches."""
 
-    def call(self, instance: Instance, still: bool = False) -> dict[str, Any]:
-        """Evaluate one element instance, or what it would give if nothing moved (``still``)."""
+    def call(self, instance: Instance) -> dict[str, Any]:
+        """Evaluate one element instance."""
         element = make(instance.element)
         ports = [self.port(self.bodies[name], element.rates) for name in instance.bodies]
         coordinates = [v for position, _ in ports for v in position]
@@ -123,8 +127,6 @@ class _Assembly(Kinematics):
             return result
 
         bound = self._bound(instance)
-        if still:
-            velocities, bound = [ca.SX(0) for _ in velocities], bound | {"e_d": ca.SX(0)}
         if SLOPE in instance.bind.values():
             # The stiffness at gear 1's own rolling angle, which the element itself knows.
             rolling = called(bound)["out_rolling"]
@@ -203,12 +205,14 @@ class _Assembly(Kinematics):
         carried = Joints(self).carry(forces)
         self.forces = Joints(self).turned_about_mass(carried)
         reports = list(self._reports(results, self.forces))
+        borders = {i.bind["hold"]: result["out_border"] for i, result in results if "out_border" in result}
         return Equations(
             self.x, self.s, self.p, self.states, tuple(self.level),
             tuple((q.name, q.unit) for q in self.model.parameters),
             self._right_hand_side(self.forces), tuple(report for report, _ in reports),
-            ca.vertcat(*(value for _, value in reports)), self._phases(), self._energy(results, self.forces), forces,
-            carried, {b.name: self.position(b) for b in self.model.bodies},
+            ca.vertcat(*(value for _, value in reports)), self._phases(), tuple(borders),
+            ca.vertcat(*borders.values()), self._energy(results, self.forces), forces, carried,
+            {b.name: self.position(b) for b in self.model.bodies},
             {b.name: self.angle(b) for b in self.model.bodies},
         )  # fmt: skip
 
@@ -377,5 +381,5 @@ class _Assembly(Kinematics):
             power += result["potential"] / special[STIFFNESS] * slope
         if ERROR in used:
             power -= result["out_force"] * special[ERROR_RATE]
-            booked = (result["out_force"] - self.call(instance, still=True)["out_force"]) * special[ERROR_RATE]
+            booked = result["out_damper"] * special[ERROR_RATE]
         return power, booked

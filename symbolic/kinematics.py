@@ -25,6 +25,7 @@ class Kinematics:
         self.x = ca.SX.sym("x", len(self.states))
         self.value = {state.name: self.x[i] for i, state in enumerate(self.states)}
         self.phi = self.value.get("reference.angle", ca.SX(0))
+        self.start = {(c.ratio, c.frame): self.number[c.start] for c in model.clocks if not c.mesh}
         self.speed = self.value.get("reference.speed", self.number.get("reference.speed", ca.SX(0)))
 
     def _states(self) -> Iterator[State]:
@@ -62,7 +63,8 @@ class Kinematics:
         ratio = self.model.frames[body.frame]
         if ratio is None:
             return ca.SX(0), ca.SX(0)
-        return self.number[ratio] * self.phi, self.number[ratio] * self.speed
+        start = self.start.get((ratio, ""), 0)
+        return self.number[ratio] * self.phi + start, self.number[ratio] * self.speed
 
     def twist(self, body: Body) -> tuple[Any, Any]:
         """Return a body's deviation of angle and its rate, which are its leader's where it has one."""
@@ -89,7 +91,8 @@ class Kinematics:
         if body.ratio == frame:
             return u, w
         relative = self.ratio(body) - (self.number[frame] if frame else 0)
-        return relative * self.phi + u, relative * self.speed + w
+        start = self.start.get((body.ratio or "", frame or ""), 0)
+        return relative * self.phi + (start + u), relative * self.speed + w
 
     def ratio(self, body: Body) -> Any:  # noqa: ANN401
         """Return a body's speed over the reference speed."""

@@ -11,22 +11,16 @@ import sympy as sp
 from . import lagrange
 from .elements import make
 from .elements.base import LogCosh
-from .elements.contact import Given, HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
+from .elements.contact import Given, Lesser, Rest, Step, Switch
 from .elements.tooth_pairs import Sharing, Wrapped
 
 UNARY = {
     sp.sin: ca.sin, sp.cos: ca.cos, sp.tan: ca.tan, sp.atan: ca.atan, sp.tanh: ca.tanh, sp.cosh: ca.cosh,
     sp.sinh: ca.sinh, sp.log: ca.log, sp.exp: ca.exp, sp.Abs: ca.fabs,
     LogCosh: lambda z: ca.fabs(z) + ca.log1p(ca.exp(-2 * ca.fabs(z))) - log(2), sp.sign: ca.sign,
-    Step: lambda z: z > 0, Ramp: lambda z: ca.fmax(z, 0), HalfSquare: lambda z: ca.fmax(z, 0) ** 2 / 2,
+    Step: lambda z: z > 0,
     Wrapped: lambda z: z - ca.floor(z + 0.5),
 }  # fmt: skip
-
-
-def _not_below_loss(rate: Any, damping: Any, floor: Any) -> Any:  # noqa: ANN401
-    """Evaluate the pseudo-potential of a damper that is cut off at a floor."""
-    force = ca.fmax(damping * rate, floor)
-    return force * rate - force**2 / (2 * damping)
 
 
 def _sharing(g: Any, share: Any) -> Any:  # noqa: ANN401
@@ -35,8 +29,9 @@ def _sharing(g: Any, share: Any) -> Any:  # noqa: ANN401
 
 
 SEVERAL: dict[Any, Callable[..., Any]] = {
-    sp.atan2: ca.atan2, NotBelow: ca.fmax, NotBelowLoss: _not_below_loss, Sharing: _sharing,
-    Given: lambda z, value, slope: value,
+    sp.atan2: ca.atan2, Sharing: _sharing, Given: lambda z, value, slope: value,
+    Switch: lambda g, hold: g + hold > 0, Lesser: ca.fmin,
+    Rest: lambda g, hold, z: (z > 0) * (1 - (g + hold > 0)),
 }  # fmt: skip
 
 

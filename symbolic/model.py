@@ -8,10 +8,12 @@ here needs SymPy, so a model whose C is already in the store is ready without de
 import json
 from dataclasses import asdict, dataclass, field
 
-from ltcgear.generated.contract import Signal
+from ltcgear.generated.contract import Clock, Signal
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
+HOLD = "hold."
+"""How the parameters begin that hold a regime while an integrator is under way; 0 lets the state decide."""
 VARYING = "phase.varying"
 """Parameter: 1 in every run; 0 where profiles over the mesh phase shall be their means."""
 
@@ -153,6 +155,7 @@ class Model:
     statics: dict[str, float]
     signals: tuple[Signal, ...] = ()
     tables: dict[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
+    clocks: tuple[Clock, ...] = ()
 
     def structure(self) -> str:
         """Return all that shapes the C, as canonical JSON: no title, no number."""

@@ -127,3 +127,29 @@ def test_hard_cases(benchmarks):
 
 def cells(line):
     return [cell.strip() for cell in line.strip("| ").split(" | ")]
+
+
+# --- long runs
+
+
+def test_mean_forces_do_not_drift(benchmarks):
+    """The benchmark's run, a hundredth as long, without a compiler."""
+    long_run = benchmarks("long_run")
+    found = long_run.run(long_run.SMOOTH, 300)
+    assert found.path.turns[-1] > 250
+    assert np.abs(found.path.phi).max() < 2 * pi * 18
+    assert long_run.drift(found, 64) < 1e-9
+    start = found.forces[: 64 // long_run.APART].mean(axis=0)
+    assert np.abs(start / found.means(64)[1] - 1).max() > 1e-6  # the start itself is seen
+
+
+def test_the_page_of_long_runs_tells_what_was_asked_for(benchmarks):
+    long_run = benchmarks("long_run")
+    cells = {row[0]: row[1] for row in rows(long_run)[0] if len(row) == 2}
+    assert int(cells["pitches"]) == long_run.TURNS * long_run.TEETH >= 118 * 10**5
+    drifts = [float(value) for key, value in cells.items() if key.startswith("mean force")]
+    assert len(drifts) == 1
+    assert drifts[0] < 1e-9
+    assert cells["switchings"] == cells["switchings by kinematics"]
+    seconds = round(long_run.SWITCHED_TURNS * long_run.PERIOD / long_run.SPACING) * long_run.SPACING
+    assert int(cells["switchings"]) == pytest.approx(seconds / long_run.PERIOD * long_run.TEETH * 16, abs=16)

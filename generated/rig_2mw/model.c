@@ -34,6 +34,7 @@ extern "C" {
 #define casadi_f2 CASADI_PREFIX(f2)
 #define casadi_f3 CASADI_PREFIX(f3)
 #define casadi_f4 CASADI_PREFIX(f4)
+#define casadi_f5 CASADI_PREFIX(f5)
 #define casadi_s0 CASADI_PREFIX(s0)
 #define casadi_s1 CASADI_PREFIX(s1)
 #define casadi_s2 CASADI_PREFIX(s2)
@@ -43,6 +44,7 @@ extern "C" {
 #define casadi_s6 CASADI_PREFIX(s6)
 #define casadi_s7 CASADI_PREFIX(s7)
 #define casadi_s8 CASADI_PREFIX(s8)
+#define casadi_s9 CASADI_PREFIX(s9)
 #define casadi_sq CASADI_PREFIX(sq)
 
 /* Symbol visibility in DLLs */
@@ -73,7 +75,7 @@ CASADI_SYMBOL_EXPORT int model_casadi_real_size(void) { return (int) sizeof(casa
 
 static const casadi_int casadi_s0[3] = {83, 1, 1};
 static const casadi_int casadi_s1[3] = {12, 1, 1};
-static const casadi_int casadi_s2[3] = {163, 1, 1};
+static const casadi_int casadi_s2[3] = {164, 1, 1};
 static const casadi_int casadi_s3[4] = {83, 1, 0, 0};
 static const casadi_int casadi_s4[873] = 
   {83, 83, 0, 0, 3, 5, 20, 35,
@@ -189,8 +191,8 @@ static const casadi_int casadi_s4[873] =
 static const casadi_int casadi_s5[15] = 
   {83, 12, 0, 0, 0, 0, 0, 0,
   0, 0, 0, 0, 0, 0, 0};
-static const casadi_int casadi_s6[166] = 
-  {83, 163, 0, 0, 0, 0, 0, 0,
+static const casadi_int casadi_s6[167] = 
+  {83, 164, 0, 0, 0, 0, 0, 0,
   0, 0, 0, 0, 0, 0, 0, 0,
   0, 0, 0, 0, 0, 0, 0, 0,
   0, 0, 0, 0, 0, 0, 0, 0,
@@ -210,11 +212,12 @@ static const casadi_int casadi_s6[166] =
   0, 0, 0, 0, 0, 0, 0, 0,
   0, 0, 0, 0, 0, 0, 0, 0,
   0, 0, 0, 0, 0, 0, 0, 0,
-  0, 0, 0, 0, 0, 0};
+  0, 0, 0, 0, 0, 0, 0};
 static const casadi_int casadi_s7[3] = {215, 1, 1};
-static const casadi_int casadi_s8[3] = {5, 1, 1};
+static const casadi_int casadi_s8[3] = {0, 1, 1};
+static const casadi_int casadi_s9[3] = {5, 1, 1};
 
-/* rhs:(x[83],#s[12],#p[163])->(xdot[83]) */
+/* rhs:(x[83],#s[12],#p[164])->(xdot[83]) */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, a10, a11;
   casadi_real a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
@@ -311,17 +314,17 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a42=arg[0]? arg[0][41] : 0;
   a43=arg[0]? arg[0][1] : 0;
   a44=(a42-a43);
-  a45=arg[2]? arg[2][158] : 0;
-  a44=(a44*a45);
   a45=arg[2]? arg[2][159] : 0;
+  a44=(a44*a45);
+  a45=arg[2]? arg[2][160] : 0;
   a46=(a41-a01);
   a45=(a45*a46);
   a44=(a44+a45);
   a45=arg[0]? arg[0][2] : 0;
   a43=(a43-a45);
-  a45=arg[2]? arg[2][160] : 0;
-  a43=(a43*a45);
   a45=arg[2]? arg[2][161] : 0;
+  a43=(a43*a45);
+  a45=arg[2]? arg[2][162] : 0;
   a01=(a01-a02);
   a45=(a45*a01);
   a43=(a43+a45);
@@ -329,7 +332,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a01=arg[2]? arg[2][3] : 0;
   a45=(a45/a01);
   if (res[0]!=0) res[0][42]=a45;
-  a45=arg[2]? arg[2][162] : 0;
+  a45=arg[2]? arg[2][163] : 0;
   a43=(a43+a45);
   a45=arg[2]? arg[2][5] : 0;
   a43=(a43/a45);
@@ -625,9 +628,9 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a43=(a43*a45);
   a01=(a43*a01);
   a57=(a57+a01);
-  a01=arg[2]? arg[2][152] : 0;
-  a65=(a65*a01);
   a01=arg[2]? arg[2][153] : 0;
+  a65=(a65*a01);
+  a01=arg[2]? arg[2][154] : 0;
   a01=(a01*a05);
   a65=(a65+a01);
   a57=(a57+a65);
@@ -888,9 +891,9 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a49=(a49+a01);
   a01=arg[0]? arg[0][23] : 0;
   a03=(a03-a01);
-  a65=arg[2]? arg[2][154] : 0;
-  a03=(a03*a65);
   a65=arg[2]? arg[2][155] : 0;
+  a03=(a03*a65);
+  a65=arg[2]? arg[2][156] : 0;
   a08=(a08-a23);
   a65=(a65*a08);
   a03=(a03+a65);
@@ -981,17 +984,17 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][61]=a43;
   a43=arg[0]? arg[0][22] : 0;
   a11=arg[0]? arg[0][28] : 0;
-  a57=arg[2]? arg[2][82] : 0;
+  a57=arg[2]? arg[2][83] : 0;
   a11=(a11+a57);
   a45=(a43-a11);
   a46=(a45*a23);
   a46=(a27-a46);
   a46=(a46-a21);
-  a59=arg[2]? arg[2][87] : 0;
+  a59=arg[2]? arg[2][88] : 0;
   a62=(a46*a59);
   a80=arg[0]? arg[0][21] : 0;
   a19=arg[0]? arg[0][27] : 0;
-  a88=arg[2]? arg[2][81] : 0;
+  a88=arg[2]? arg[2][82] : 0;
   a19=(a19+a88);
   a65=(a80-a19);
   a49=cos(a01);
@@ -1000,11 +1003,11 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a91=(a01*a57);
   a07=(a07-a91);
   a91=(a65+a07);
-  a18=arg[2]? arg[2][86] : 0;
+  a18=arg[2]? arg[2][87] : 0;
   a91=(a91*a18);
   a62=(a62-a91);
   a84=arg[0]? arg[0][31] : 0;
-  a76=arg[2]? arg[2][112] : 0;
+  a76=arg[2]? arg[2][113] : 0;
   a84=(a84+a76);
   a17=(a43-a84);
   a70=(a17*a23);
@@ -1012,7 +1015,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a70=(a70-a21);
   a81=(a70*a59);
   a16=arg[0]? arg[0][30] : 0;
-  a79=arg[2]? arg[2][111] : 0;
+  a79=arg[2]? arg[2][112] : 0;
   a16=(a16+a79);
   a92=(a80-a16);
   a86=(a49*a79);
@@ -1023,7 +1026,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a81=(a81-a15);
   a77=(a62+a81);
   a69=arg[0]? arg[0][34] : 0;
-  a14=arg[2]? arg[2][120] : 0;
+  a14=arg[2]? arg[2][121] : 0;
   a69=(a69+a14);
   a60=(a43-a69);
   a72=(a60*a23);
@@ -1031,7 +1034,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a72=(a72-a21);
   a13=(a72*a59);
   a73=arg[0]? arg[0][33] : 0;
-  a58=arg[2]? arg[2][119] : 0;
+  a58=arg[2]? arg[2][120] : 0;
   a73=(a73+a58);
   a78=(a80-a73);
   a12=(a49*a58);
@@ -1041,10 +1044,10 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a67=(a67*a18);
   a13=(a13-a67);
   a77=(a77+a13);
-  a47=arg[2]? arg[2][73] : 0;
+  a47=arg[2]? arg[2][74] : 0;
   a77=(a77/a47);
   a51=casadi_sq(a00);
-  a54=arg[2]? arg[2][75] : 0;
+  a54=arg[2]? arg[2][76] : 0;
   a10=casadi_sq(a54);
   a51=(a51*a10);
   a80=(a51*a80);
@@ -1119,26 +1122,26 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a59=(a59+a49);
   a45=(a45+a59);
   a45=(a45+a03);
-  a03=arg[2]? arg[2][74] : 0;
+  a03=arg[2]? arg[2][75] : 0;
   a45=(a45/a03);
   if (res[0]!=0) res[0][64]=a45;
   a45=arg[0]? arg[0][24] : 0;
   a03=(a51*a45);
   a59=(a45-a63);
-  a49=arg[2]? arg[2][79] : 0;
+  a49=arg[2]? arg[2][80] : 0;
   a59=(a59*a49);
   a54=(a54*a00);
   a00=arg[0]? arg[0][25] : 0;
   a67=(a54*a00);
   a67=(a24-a67);
-  a01=arg[2]? arg[2][80] : 0;
+  a01=arg[2]? arg[2][81] : 0;
   a67=(a67*a01);
   a59=(a59+a67);
-  a67=arg[2]? arg[2][97] : 0;
-  a12=arg[2]? arg[2][90] : 0;
-  a60=arg[2]? arg[2][88] : 0;
+  a67=arg[2]? arg[2][98] : 0;
+  a12=arg[2]? arg[2][91] : 0;
+  a60=arg[2]? arg[2][89] : 0;
   a78=(a26*a60);
-  a23=arg[2]? arg[2][89] : 0;
+  a23=arg[2]? arg[2][90] : 0;
   a72=(a29*a23);
   a72=(a78+a72);
   a72=(a12*a72);
@@ -1167,16 +1170,16 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a92=(a57*a92);
   a72=(a72-a92);
   a72=(a67*a72);
-  a92=arg[2]? arg[2][94] : 0;
+  a92=arg[2]? arg[2][95] : 0;
   a91=arg[1]? arg[1][8] : 0;
-  a88=arg[2]? arg[2][95] : 0;
+  a88=arg[2]? arg[2][96] : 0;
   a88=(a88-a92);
   a91=(a91*a88);
   a91=(a92+a91);
   a07=arg[0]? arg[0][26] : 0;
-  a65=arg[2]? arg[2][91] : 0;
+  a65=arg[2]? arg[2][92] : 0;
   a77=(a86*a65);
-  a46=arg[2]? arg[2][92] : 0;
+  a46=arg[2]? arg[2][93] : 0;
   a09=(a17*a46);
   a77=(a77-a09);
   a17=(a17*a65);
@@ -1192,7 +1195,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a17=(a12*a17);
   a70=(a70/a76);
   a77=atan(a70);
-  a46=arg[2]? arg[2][93] : 0;
+  a46=arg[2]? arg[2][94] : 0;
   a77=(a77+a46);
   a70=(a70-a77);
   a70=(a76*a70);
@@ -1229,9 +1232,9 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a65=arg[1]? arg[1][9] : 0;
   a65=(a65*a88);
   a65=(a92+a65);
-  a43=arg[2]? arg[2][113] : 0;
+  a43=arg[2]? arg[2][114] : 0;
   a47=(a77*a43);
-  a18=arg[2]? arg[2][114] : 0;
+  a18=arg[2]? arg[2][115] : 0;
   a58=(a17*a18);
   a47=(a47-a58);
   a17=(a17*a43);
@@ -1283,9 +1286,9 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a78=arg[1]? arg[1][10] : 0;
   a78=(a78*a88);
   a92=(a92+a78);
-  a78=arg[2]? arg[2][121] : 0;
+  a78=arg[2]? arg[2][122] : 0;
   a88=(a09*a78);
-  a47=arg[2]? arg[2][122] : 0;
+  a47=arg[2]? arg[2][123] : 0;
   a15=(a65*a47);
   a88=(a88-a15);
   a65=(a65*a78);
@@ -1309,7 +1312,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a67=(a67+a92);
   a18=(a67*a18);
   a59=(a59+a18);
-  a92=arg[2]? arg[2][76] : 0;
+  a92=arg[2]? arg[2][77] : 0;
   a59=(a59/a92);
   a03=(a03-a59);
   a59=(a80*a25);
@@ -1343,30 +1346,30 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a03=(a03+a60);
   a60=arg[0]? arg[0][38] : 0;
   a07=(a07-a60);
-  a12=arg[2]? arg[2][156] : 0;
-  a07=(a07*a12);
   a12=arg[2]? arg[2][157] : 0;
+  a07=(a07*a12);
+  a12=arg[2]? arg[2][158] : 0;
   a26=(a26-a38);
   a12=(a12*a26);
   a07=(a07+a12);
   a03=(a03+a07);
-  a12=arg[2]? arg[2][77] : 0;
+  a12=arg[2]? arg[2][78] : 0;
   a03=(a03/a12);
   a03=(-a03);
   if (res[0]!=0) res[0][67]=a03;
   a57=(a57-a62);
-  a62=arg[2]? arg[2][108] : 0;
+  a62=arg[2]? arg[2][109] : 0;
   a03=casadi_sq(a19);
   a12=casadi_sq(a11);
   a03=(a03+a12);
-  a12=arg[2]? arg[2][101] : 0;
-  a26=arg[2]? arg[2][102] : 0;
+  a12=arg[2]? arg[2][102] : 0;
+  a26=arg[2]? arg[2][103] : 0;
   a24=(a12-a26);
   a00=casadi_sq(a24);
   a92=(a03-a00);
   a92=sqrt(a92);
   a25=(a19*a92);
-  a01=arg[2]? arg[2][103] : 0;
+  a01=arg[2]? arg[2][104] : 0;
   a54=(a24*a01);
   a45=(a11*a54);
   a25=(a25+a45);
@@ -1384,13 +1387,13 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a45=(a62*a45);
   a92=(a92/a24);
   a29=atan(a92);
-  a03=arg[2]? arg[2][106] : 0;
+  a03=arg[2]? arg[2][107] : 0;
   a29=(a29+a03);
   a92=(a92-a29);
   a92=(a24*a92);
-  a29=arg[2]? arg[2][104] : 0;
+  a29=arg[2]? arg[2][105] : 0;
   a59=(a11*a29);
-  a65=arg[2]? arg[2][105] : 0;
+  a65=arg[2]? arg[2][106] : 0;
   a76=(a19*a65);
   a59=(a59-a76);
   a29=(a19*a29);
@@ -1403,12 +1406,12 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a29=(a29+a86);
   a29=(a01*a29);
   a92=(a92-a29);
-  a29=arg[2]? arg[2][107] : 0;
+  a29=arg[2]? arg[2][108] : 0;
   a92=(a92*a29);
   a45=(a45+a92);
   a25=(a45*a25);
   a57=(a57-a25);
-  a25=arg[2]? arg[2][83] : 0;
+  a25=arg[2]? arg[2][84] : 0;
   a57=(a57/a25);
   a19=(a51*a19);
   a57=(a57+a19);
@@ -1428,7 +1431,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a45=(a45*a26);
   a72=(a72*a23);
   a45=(a45-a72);
-  a72=arg[2]? arg[2][84] : 0;
+  a72=arg[2]? arg[2][85] : 0;
   a45=(a45/a72);
   if (res[0]!=0) res[0][70]=a45;
   a21=(a21-a81);
@@ -1457,9 +1460,9 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a32=(a32+a03);
   a45=(a45-a32);
   a45=(a24*a45);
-  a32=arg[2]? arg[2][116] : 0;
+  a32=arg[2]? arg[2][117] : 0;
   a81=(a84*a32);
-  a49=arg[2]? arg[2][117] : 0;
+  a49=arg[2]? arg[2][118] : 0;
   a10=(a16*a49);
   a81=(a81-a10);
   a32=(a16*a32);
@@ -1523,9 +1526,9 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a91=(a91+a03);
   a00=(a00-a91);
   a24=(a24*a00);
-  a00=arg[2]? arg[2][124] : 0;
+  a00=arg[2]? arg[2][125] : 0;
   a91=(a69*a00);
-  a03=arg[2]? arg[2][125] : 0;
+  a03=arg[2]? arg[2][126] : 0;
   a35=(a73*a03);
   a91=(a91-a35);
   a00=(a73*a00);
@@ -1565,28 +1568,28 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][76]=a62;
   a62=arg[0]? arg[0][36] : 0;
   a72=(a62-a63);
-  a67=arg[2]? arg[2][130] : 0;
+  a67=arg[2]? arg[2][131] : 0;
   a72=(a72*a67);
-  a23=arg[2]? arg[2][131] : 0;
+  a23=arg[2]? arg[2][132] : 0;
   a26=(a36*a23);
   a72=(a72+a26);
-  a26=arg[2]? arg[2][148] : 0;
-  a01=arg[2]? arg[2][141] : 0;
-  a17=arg[2]? arg[2][139] : 0;
+  a26=arg[2]? arg[2][149] : 0;
+  a01=arg[2]? arg[2][142] : 0;
+  a17=arg[2]? arg[2][140] : 0;
   a38=(a38*a17);
-  a80=arg[2]? arg[2][140] : 0;
+  a80=arg[2]? arg[2][141] : 0;
   a41=(a41*a80);
   a38=(a38+a41);
   a38=(a01*a38);
   a41=arg[0]? arg[0][39] : 0;
-  a33=arg[2]? arg[2][132] : 0;
+  a33=arg[2]? arg[2][133] : 0;
   a33=(a41+a33);
   a33=(a33-a62);
   a62=(a17+a80);
   a51=(a62*a01);
   a69=(a33*a51);
   a25=arg[0]? arg[0][40] : 0;
-  a54=arg[2]? arg[2][133] : 0;
+  a54=arg[2]? arg[2][134] : 0;
   a54=(a25+a54);
   a22=arg[0]? arg[0][37] : 0;
   a54=(a54-a22);
@@ -1610,15 +1613,15 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a36=(a73*a36);
   a38=(a38-a36);
   a26=(a26*a38);
-  a38=arg[2]? arg[2][145] : 0;
+  a38=arg[2]? arg[2][146] : 0;
   a36=arg[1]? arg[1][11] : 0;
-  a18=arg[2]? arg[2][146] : 0;
+  a18=arg[2]? arg[2][147] : 0;
   a18=(a18-a38);
   a36=(a36*a18);
   a38=(a38+a36);
-  a36=arg[2]? arg[2][142] : 0;
+  a36=arg[2]? arg[2][143] : 0;
   a18=(a54*a36);
-  a51=arg[2]? arg[2][143] : 0;
+  a51=arg[2]? arg[2][144] : 0;
   a27=(a33*a51);
   a18=(a18-a27);
   a33=(a33*a36);
@@ -1633,7 +1636,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a60=(a01*a60);
   a34=(a34/a62);
   a42=atan(a34);
-  a18=arg[2]? arg[2][144] : 0;
+  a18=arg[2]? arg[2][145] : 0;
   a42=(a42+a18);
   a34=(a34-a42);
   a62=(a62*a34);
@@ -1642,7 +1645,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a26=(a26+a38);
   a73=(a26*a73);
   a72=(a72+a73);
-  a38=arg[2]? arg[2][127] : 0;
+  a38=arg[2]? arg[2][128] : 0;
   a72=(a72/a38);
   a72=(-a72);
   if (res[0]!=0) res[0][77]=a72;
@@ -1658,16 +1661,16 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a26=(a26*a01);
   a17=(a26*a17);
   a07=(a07-a17);
-  a17=arg[2]? arg[2][128] : 0;
+  a17=arg[2]? arg[2][129] : 0;
   a07=(a07/a17);
   if (res[0]!=0) res[0][79]=a07;
-  a07=arg[2]? arg[2][137] : 0;
+  a07=arg[2]? arg[2][138] : 0;
   a41=(a41*a07);
-  a17=arg[2]? arg[2][138] : 0;
+  a17=arg[2]? arg[2][139] : 0;
   a39=(a39*a17);
   a41=(a41+a39);
   a73=(a73-a41);
-  a41=arg[2]? arg[2][134] : 0;
+  a41=arg[2]? arg[2][135] : 0;
   a73=(a73/a41);
   if (res[0]!=0) res[0][80]=a73;
   a25=(a25*a07);
@@ -1678,7 +1681,7 @@ static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][81]=a69;
   a26=(a26*a80);
   a26=(a26+a44);
-  a44=arg[2]? arg[2][135] : 0;
+  a44=arg[2]? arg[2][136] : 0;
   a26=(a26/a44);
   a26=(-a26);
   if (res[0]!=0) res[0][82]=a26;
@@ -1769,7 +1772,7 @@ CASADI_SYMBOL_EXPORT int rhs_diff_in(casadi_int i) {
   }
 }
 
-/* jac_rhs:(x[83],s[12],p[163],out_xdot[83x1,0nz])->(jac_xdot_x[83x83,787nz],jac_xdot_s[83x12,0nz],jac_xdot_p[83x163,0nz]) */
+/* jac_rhs:(x[83],s[12],p[164],out_xdot[83x1,0nz])->(jac_xdot_x[83x83,787nz],jac_xdot_s[83x12,0nz],jac_xdot_p[83x164,0nz]) */
 static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a000, a001, a002, a003, a004, a005, a006, a007, a008, a009, a010, a011;
   casadi_real a012, a013, a014, a015, a016, a017, a018, a019, a020, a021, a022, a023;
@@ -1790,8 +1793,8 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   casadi_real a192, a193, a194, a195, a196, a197, a198, a199, a200, a201, a202, a203;
   casadi_real a204, a205, a206, a207, a208, a209, a210, a211, a212, a213, a214, a215;
   casadi_real a216, a217, a218, a219, a220, a221, a222, a223, a224;
-  a000=arg[2]? arg[2][158] : 0;
-  a001=arg[2]? arg[2][160] : 0;
+  a000=arg[2]? arg[2][159] : 0;
+  a001=arg[2]? arg[2][161] : 0;
   a002=(a000+a001);
   a003=arg[2]? arg[2][3] : 0;
   a002=(a002/a003);
@@ -1800,7 +1803,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a002=arg[2]? arg[2][5] : 0;
   a004=(a001/a002);
   if (res[0]!=0) res[0][1]=a004;
-  a005=arg[2]? arg[2][135] : 0;
+  a005=arg[2]? arg[2][136] : 0;
   a006=(a000/a005);
   if (res[0]!=0) res[0][2]=a006;
   a001=(a001/a003);
@@ -2550,7 +2553,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a144=(a017*a144);
   a117=(a011*a144);
   a136=(a136+a117);
-  a117=arg[2]? arg[2][152] : 0;
+  a117=arg[2]? arg[2][153] : 0;
   a136=(a136+a117);
   a136=(a136/a142);
   a136=(-a136);
@@ -3277,7 +3280,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a209=(a009*a209);
   a076=(a010*a209);
   a210=(a210+a076);
-  a076=arg[2]? arg[2][154] : 0;
+  a076=arg[2]? arg[2][155] : 0;
   a210=(a210+a076);
   a210=(a210/a224);
   a210=(-a210);
@@ -3314,7 +3317,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a209=(a209/a034);
   a209=(-a209);
   if (res[0]!=0) res[0][94]=a209;
-  a209=arg[2]? arg[2][74] : 0;
+  a209=arg[2]? arg[2][75] : 0;
   a153=(a076/a209);
   if (res[0]!=0) res[0][95]=a153;
   a027=(a027-a025);
@@ -4058,17 +4061,17 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][203]=a037;
   a037=arg[2]? arg[2][0] : 0;
   a083=casadi_sq(a037);
-  a053=arg[2]? arg[2][75] : 0;
+  a053=arg[2]? arg[2][76] : 0;
   a137=casadi_sq(a053);
   a083=(a083*a137);
   a137=3.;
-  a106=arg[2]? arg[2][86] : 0;
+  a106=arg[2]? arg[2][87] : 0;
   a141=(a137*a106);
-  a161=arg[2]? arg[2][73] : 0;
+  a161=arg[2]? arg[2][74] : 0;
   a141=(a141/a161);
   a141=(a083-a141);
   if (res[0]!=0) res[0][204]=a141;
-  a056=arg[2]? arg[2][87] : 0;
+  a056=arg[2]? arg[2][88] : 0;
   a013=arg[0]? arg[0][64] : 0;
   a061=(a056*a013);
   a044=(a137*a061);
@@ -4076,10 +4079,10 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][205]=a044;
   a110=arg[0]? arg[0][23] : 0;
   a198=cos(a110);
-  a146=arg[2]? arg[2][82] : 0;
+  a146=arg[2]? arg[2][83] : 0;
   a212=(a198*a146);
   a110=sin(a110);
-  a129=arg[2]? arg[2][81] : 0;
+  a129=arg[2]? arg[2][82] : 0;
   a105=(a110*a129);
   a212=(a212+a105);
   a105=(a212*a106);
@@ -4095,9 +4098,9 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a149=(a149+a001);
   a149=(a056*a149);
   a001=(a105-a149);
-  a120=arg[2]? arg[2][112] : 0;
+  a120=arg[2]? arg[2][113] : 0;
   a039=(a198*a120);
-  a021=arg[2]? arg[2][111] : 0;
+  a021=arg[2]? arg[2][112] : 0;
   a130=(a110*a021);
   a039=(a039+a130);
   a130=(a039*a106);
@@ -4112,9 +4115,9 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a213=(a056*a213);
   a018=(a130-a213);
   a001=(a001+a018);
-  a018=arg[2]? arg[2][120] : 0;
+  a018=arg[2]? arg[2][121] : 0;
   a133=(a198*a018);
-  a215=arg[2]? arg[2][119] : 0;
+  a215=arg[2]? arg[2][120] : 0;
   a158=(a110*a215);
   a133=(a133+a158);
   a158=(a133*a106);
@@ -4131,7 +4134,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a001=(a001+a134);
   a001=(a001/a209);
   if (res[0]!=0) res[0][206]=a001;
-  a001=arg[2]? arg[2][83] : 0;
+  a001=arg[2]? arg[2][84] : 0;
   a134=(a106/a001);
   if (res[0]!=0) res[0][207]=a134;
   a150=(a061/a001);
@@ -4286,14 +4289,14 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][230]=a192;
   a018=(a018/a001);
   if (res[0]!=0) res[0][231]=a018;
-  a018=arg[2]? arg[2][79] : 0;
-  a192=arg[2]? arg[2][97] : 0;
-  a120=arg[2]? arg[2][90] : 0;
+  a018=arg[2]? arg[2][80] : 0;
+  a192=arg[2]? arg[2][98] : 0;
+  a120=arg[2]? arg[2][91] : 0;
   a114=arg[0]? arg[0][67] : 0;
-  a146=arg[2]? arg[2][88] : 0;
+  a146=arg[2]? arg[2][89] : 0;
   a114=(a114*a146);
   a150=arg[0]? arg[0][70] : 0;
-  a071=arg[2]? arg[2][89] : 0;
+  a071=arg[2]? arg[2][90] : 0;
   a076=(a150*a071);
   a076=(a114+a076);
   a076=(a120*a076);
@@ -4326,16 +4329,16 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a080=(a110*a096);
   a076=(a076-a080);
   a076=(a192*a076);
-  a080=arg[2]? arg[2][94] : 0;
+  a080=arg[2]? arg[2][95] : 0;
   a122=arg[1]? arg[1][8] : 0;
-  a123=arg[2]? arg[2][95] : 0;
+  a123=arg[2]? arg[2][96] : 0;
   a123=(a123-a080);
   a122=(a122*a123);
   a122=(a080+a122);
   a115=arg[0]? arg[0][26] : 0;
-  a099=arg[2]? arg[2][91] : 0;
+  a099=arg[2]? arg[2][92] : 0;
   a100=(a039*a099);
-  a102=arg[2]? arg[2][92] : 0;
+  a102=arg[2]? arg[2][93] : 0;
   a205=(a199*a102);
   a100=(a100-a205);
   a205=(a199*a099);
@@ -4351,7 +4354,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a109=(a120*a109);
   a208=(a212/a133);
   a103=atan(a208);
-  a204=arg[2]? arg[2][93] : 0;
+  a204=arg[2]? arg[2][94] : 0;
   a103=(a103+a204);
   a103=(a208-a103);
   a103=(a133*a103);
@@ -4430,9 +4433,9 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a094=arg[1]? arg[1][9] : 0;
   a094=(a094*a123);
   a094=(a080+a094);
-  a177=arg[2]? arg[2][113] : 0;
+  a177=arg[2]? arg[2][114] : 0;
   a064=(a078*a177);
-  a046=arg[2]? arg[2][114] : 0;
+  a046=arg[2]? arg[2][115] : 0;
   a185=(a073*a046);
   a064=(a064-a185);
   a185=(a073*a177);
@@ -4526,9 +4529,9 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a070=arg[1]? arg[1][10] : 0;
   a070=(a070*a123);
   a080=(a080+a070);
-  a070=arg[2]? arg[2][121] : 0;
+  a070=arg[2]? arg[2][122] : 0;
   a123=(a193*a070);
-  a090=arg[2]? arg[2][122] : 0;
+  a090=arg[2]? arg[2][123] : 0;
   a091=(a113*a090);
   a123=(a123-a091);
   a091=(a113*a070);
@@ -4593,11 +4596,11 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a221=(a189*a136);
   a139=(a139-a221);
   a079=(a079+a139);
-  a221=arg[2]? arg[2][76] : 0;
+  a221=arg[2]? arg[2][77] : 0;
   a079=(a079/a221);
   a079=(a083-a079);
   if (res[0]!=0) res[0][232]=a079;
-  a079=arg[2]? arg[2][80] : 0;
+  a079=arg[2]? arg[2][81] : 0;
   a058=(a053*a037);
   a058=(a079*a058);
   a108=(a076*a108);
@@ -4623,7 +4626,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a136=(a120*a136);
   a020=(a146*a136);
   a155=(a155+a020);
-  a020=arg[2]? arg[2][77] : 0;
+  a020=arg[2]? arg[2][78] : 0;
   a155=(a155/a020);
   if (res[0]!=0) res[0][234]=a155;
   a124=(a124/a001);
@@ -4631,7 +4634,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a108=(a108/a001);
   if (res[0]!=0) res[0][236]=a108;
   a101=(a071*a101);
-  a108=arg[2]? arg[2][84] : 0;
+  a108=arg[2]? arg[2][85] : 0;
   a101=(a101/a108);
   if (res[0]!=0) res[0][237]=a101;
   a068=(a068/a001);
@@ -4827,7 +4830,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a139=(a120*a139);
   a090=(a146*a139);
   a018=(a018+a090);
-  a090=arg[2]? arg[2][156] : 0;
+  a090=arg[2]? arg[2][157] : 0;
   a018=(a018+a090);
   a018=(a018/a020);
   a018=(-a018);
@@ -4856,7 +4859,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a139=(a139/a108);
   a139=(-a139);
   if (res[0]!=0) res[0][267]=a139;
-  a139=arg[2]? arg[2][128] : 0;
+  a139=arg[2]? arg[2][129] : 0;
   a058=(a090/a139);
   if (res[0]!=0) res[0][268]=a058;
   a058=(a106/a161);
@@ -4899,19 +4902,19 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a211=casadi_sq(a045);
   a202=casadi_sq(a152);
   a211=(a211+a202);
-  a202=arg[2]? arg[2][101] : 0;
-  a203=arg[2]? arg[2][102] : 0;
+  a202=arg[2]? arg[2][102] : 0;
+  a203=arg[2]? arg[2][103] : 0;
   a085=(a202-a203);
   a149=casadi_sq(a085);
   a105=(a211-a149);
   a105=sqrt(a105);
   a178=(a045*a105);
-  a078=arg[2]? arg[2][103] : 0;
+  a078=arg[2]? arg[2][104] : 0;
   a193=(a085*a078);
   a075=(a152*a193);
   a178=(a178+a075);
   a178=(a178/a211);
-  a075=arg[2]? arg[2][108] : 0;
+  a075=arg[2]? arg[2][109] : 0;
   a068=(a045/a105);
   a018=(a045*a068);
   a018=(a105+a018);
@@ -4934,7 +4937,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a177=(a218*a124);
   a101=(a101-a177);
   a101=(a075*a101);
-  a177=arg[2]? arg[2][107] : 0;
+  a177=arg[2]? arg[2][108] : 0;
   a068=(a068/a085);
   a164=(a105/a085);
   a086=casadi_sq(a164);
@@ -4942,9 +4945,9 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a015=(a068/a086);
   a068=(a068-a015);
   a068=(a085*a068);
-  a015=arg[2]? arg[2][104] : 0;
+  a015=arg[2]? arg[2][105] : 0;
   a006=(a045*a015);
-  a049=arg[2]? arg[2][105] : 0;
+  a049=arg[2]? arg[2][106] : 0;
   a050=(a152*a049);
   a006=(a006+a050);
   a050=(a152*a015);
@@ -4974,7 +4977,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a025=(a025-a150);
   a025=(a075*a025);
   a150=atan(a164);
-  a023=arg[2]? arg[2][106] : 0;
+  a023=arg[2]? arg[2][107] : 0;
   a150=(a150+a023);
   a164=(a164-a150);
   a164=(a085*a164);
@@ -5202,9 +5205,9 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a022=(a069/a042);
   a069=(a069-a022);
   a069=(a085*a069);
-  a022=arg[2]? arg[2][116] : 0;
+  a022=arg[2]? arg[2][117] : 0;
   a049=(a216*a022);
-  a015=arg[2]? arg[2][117] : 0;
+  a015=arg[2]? arg[2][118] : 0;
   a086=(a107*a015);
   a049=(a049+a086);
   a086=(a107*a022);
@@ -5456,9 +5459,9 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a062=(a059/a093);
   a059=(a059-a062);
   a059=(a085*a059);
-  a062=arg[2]? arg[2][124] : 0;
+  a062=arg[2]? arg[2][125] : 0;
   a211=(a222*a062);
-  a089=arg[2]? arg[2][125] : 0;
+  a089=arg[2]? arg[2][126] : 0;
   a047=(a174*a089);
   a211=(a211+a047);
   a047=(a174*a062);
@@ -5638,19 +5641,19 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a076=(a076/a108);
   a076=(-a076);
   if (res[0]!=0) res[0][340]=a076;
-  a076=arg[2]? arg[2][130] : 0;
-  a080=arg[2]? arg[2][148] : 0;
-  a134=arg[2]? arg[2][141] : 0;
+  a076=arg[2]? arg[2][131] : 0;
+  a080=arg[2]? arg[2][149] : 0;
+  a134=arg[2]? arg[2][142] : 0;
   a025=arg[0]? arg[0][79] : 0;
-  a084=arg[2]? arg[2][139] : 0;
+  a084=arg[2]? arg[2][140] : 0;
   a025=(a025*a084);
   a114=arg[0]? arg[0][82] : 0;
-  a083=arg[2]? arg[2][140] : 0;
+  a083=arg[2]? arg[2][141] : 0;
   a114=(a114*a083);
   a025=(a025+a114);
   a025=(a134*a025);
   a114=arg[0]? arg[0][39] : 0;
-  a106=arg[2]? arg[2][132] : 0;
+  a106=arg[2]? arg[2][133] : 0;
   a114=(a114+a106);
   a106=arg[0]? arg[0][36] : 0;
   a114=(a114-a106);
@@ -5658,7 +5661,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a015=(a106*a134);
   a149=(a114*a015);
   a115=arg[0]? arg[0][40] : 0;
-  a177=arg[2]? arg[2][133] : 0;
+  a177=arg[2]? arg[2][134] : 0;
   a115=(a115+a177);
   a177=arg[0]? arg[0][37] : 0;
   a115=(a115-a177);
@@ -5686,16 +5689,16 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a216=(a202*a218);
   a025=(a025-a216);
   a025=(a080*a025);
-  a216=arg[2]? arg[2][145] : 0;
+  a216=arg[2]? arg[2][146] : 0;
   a089=arg[1]? arg[1][11] : 0;
-  a062=arg[2]? arg[2][146] : 0;
+  a062=arg[2]? arg[2][147] : 0;
   a062=(a062-a216);
   a089=(a089*a062);
   a216=(a216+a089);
   a089=arg[0]? arg[0][38] : 0;
-  a062=arg[2]? arg[2][142] : 0;
+  a062=arg[2]? arg[2][143] : 0;
   a061=(a115*a062);
-  a093=arg[2]? arg[2][143] : 0;
+  a093=arg[2]? arg[2][144] : 0;
   a214=(a114*a093);
   a061=(a061-a214);
   a214=(a114*a062);
@@ -5711,7 +5714,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a089=(a134*a089);
   a193=(a222/a106);
   a127=atan(a193);
-  a038=arg[2]? arg[2][144] : 0;
+  a038=arg[2]? arg[2][145] : 0;
   a127=(a127+a038);
   a127=(a193-a127);
   a127=(a106*a127);
@@ -5761,7 +5764,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a113=(a202*a091);
   a123=(a123-a113);
   a113=(a076+a123);
-  a054=arg[2]? arg[2][127] : 0;
+  a054=arg[2]? arg[2][128] : 0;
   a113=(a113/a054);
   a113=(-a113);
   if (res[0]!=0) res[0][341]=a113;
@@ -5775,7 +5778,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a113=(a084*a091);
   a113=(a113/a139);
   if (res[0]!=0) res[0][343]=a113;
-  a113=arg[2]? arg[2][134] : 0;
+  a113=arg[2]? arg[2][135] : 0;
   a123=(a123/a113);
   if (res[0]!=0) res[0][344]=a123;
   a082=(a082/a113);
@@ -5891,7 +5894,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a151=(a151/a139);
   a151=(-a151);
   if (res[0]!=0) res[0][362]=a151;
-  a151=arg[2]? arg[2][137] : 0;
+  a151=arg[2]? arg[2][138] : 0;
   a127=(a127-a151);
   a127=(a127/a113);
   if (res[0]!=0) res[0][363]=a127;
@@ -5970,8 +5973,8 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a216=(-a216);
   if (res[0]!=0) res[0][378]=a216;
   if (res[0]!=0) res[0][379]=a040;
-  a216=arg[2]? arg[2][159] : 0;
-  a000=arg[2]? arg[2][161] : 0;
+  a216=arg[2]? arg[2][160] : 0;
+  a000=arg[2]? arg[2][162] : 0;
   a151=(a216+a000);
   a151=(a151/a003);
   a151=(-a151);
@@ -6156,7 +6159,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a094=(a011*a095);
   a154=(a137*a094);
   a154=(a154+a094);
-  a094=arg[2]? arg[2][153] : 0;
+  a094=arg[2]? arg[2][154] : 0;
   a154=(a154+a094);
   a154=(a154/a142);
   a154=(-a154);
@@ -6355,7 +6358,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a186=(a010*a148);
   a069=(a137*a186);
   a069=(a069+a186);
-  a186=arg[2]? arg[2][155] : 0;
+  a186=arg[2]? arg[2][156] : 0;
   a069=(a069+a186);
   a069=(a069/a224);
   a069=(-a069);
@@ -6913,7 +6916,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a099=(a120*a099);
   a133=(a146*a099);
   a137=(a137*a133);
-  a133=arg[2]? arg[2][157] : 0;
+  a133=arg[2]? arg[2][158] : 0;
   a137=(a137+a133);
   a137=(a137/a020);
   a137=(-a137);
@@ -7174,7 +7177,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][741]=a180;
   if (res[0]!=0) res[0][742]=a215;
   if (res[0]!=0) res[0][743]=a040;
-  a215=arg[2]? arg[2][131] : 0;
+  a215=arg[2]? arg[2][132] : 0;
   a180=(a080*a202);
   a001=(a202*a180);
   a171=(a215+a001);
@@ -7253,7 +7256,7 @@ static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][766]=a123;
   if (res[0]!=0) res[0][767]=a109;
   if (res[0]!=0) res[0][768]=a189;
-  a189=arg[2]? arg[2][138] : 0;
+  a189=arg[2]? arg[2][139] : 0;
   a001=(a001+a189);
   a001=(a001/a113);
   a001=(-a001);
@@ -7383,7 +7386,7 @@ CASADI_SYMBOL_EXPORT int jac_rhs_work_bytes(casadi_int *sz_arg, casadi_int* sz_r
   return 0;
 }
 
-/* outputs:(x[83],s[12],p[163])->(y[215]) */
+/* outputs:(x[83],s[12],p[164])->(y[215]) */
 static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a000, a001, a002, a003, a004, a005, a006, a007, a008, a009, a010, a011;
   casadi_real a012, a013, a014, a015, a016, a017, a018, a019, a020, a021, a022, a023;
@@ -7970,56 +7973,58 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][31]=a042;
   if (res[0]!=0) res[0][32]=a047;
   if (res[0]!=0) res[0][33]=a044;
-  a044=arg[2]? arg[2][75] : 0;
+  a044=arg[2]? arg[2][76] : 0;
   a047=arg[0]? arg[0][0] : 0;
   a050=(a044*a047);
-  a095=sin(a050);
-  a057=arg[0]? arg[0][25] : 0;
-  a055=(a057-a001);
-  a051=arg[2]? arg[2][79] : 0;
-  a055=(a055*a051);
-  a096=arg[0]? arg[0][66] : 0;
-  a048=arg[2]? arg[2][0] : 0;
-  a026=(a044*a048);
-  a033=arg[0]? arg[0][24] : 0;
-  a041=(a026*a033);
-  a041=(a096+a041);
-  a019=arg[2]? arg[2][80] : 0;
-  a027=(a041*a019);
-  a055=(a055+a027);
-  a027=(a095*a055);
-  a099=cos(a050);
-  a100=(a033-a001);
-  a100=(a100*a051);
-  a051=arg[0]? arg[0][65] : 0;
-  a101=(a026*a057);
-  a101=(a051-a101);
-  a019=(a101*a019);
-  a100=(a100+a019);
-  a019=(a099*a100);
-  a027=(a027-a019);
-  if (res[0]!=0) res[0][34]=a027;
+  a095=arg[2]? arg[2][73] : 0;
+  a095=(a050+a095);
+  a057=sin(a095);
+  a055=arg[0]? arg[0][25] : 0;
+  a051=(a055-a001);
+  a096=arg[2]? arg[2][80] : 0;
+  a051=(a051*a096);
+  a048=arg[0]? arg[0][66] : 0;
+  a026=arg[2]? arg[2][0] : 0;
+  a033=(a044*a026);
+  a041=arg[0]? arg[0][24] : 0;
+  a019=(a033*a041);
+  a019=(a048+a019);
+  a027=arg[2]? arg[2][81] : 0;
+  a099=(a019*a027);
+  a051=(a051+a099);
+  a099=(a057*a051);
+  a095=cos(a095);
+  a100=(a041-a001);
+  a100=(a100*a096);
+  a096=arg[0]? arg[0][65] : 0;
+  a101=(a033*a055);
+  a101=(a096-a101);
+  a027=(a101*a027);
+  a100=(a100+a027);
   a027=(a095*a100);
-  a019=(a099*a055);
-  a027=(a027+a019);
-  a027=(-a027);
-  if (res[0]!=0) res[0][35]=a027;
-  a027=arg[0]? arg[0][69] : 0;
-  a019=arg[0]? arg[0][21] : 0;
+  a099=(a099-a027);
+  if (res[0]!=0) res[0][34]=a099;
+  a099=(a057*a100);
+  a027=(a095*a051);
+  a099=(a099+a027);
+  a099=(-a099);
+  if (res[0]!=0) res[0][35]=a099;
+  a099=arg[0]? arg[0][69] : 0;
+  a027=arg[0]? arg[0][21] : 0;
   a102=arg[0]? arg[0][27] : 0;
-  a103=arg[2]? arg[2][81] : 0;
+  a103=arg[2]? arg[2][82] : 0;
   a104=(a102+a103);
-  a105=(a019-a104);
+  a105=(a027-a104);
   a106=arg[0]? arg[0][64] : 0;
   a107=(a105*a106);
-  a107=(a027+a107);
+  a107=(a099+a107);
   a108=arg[0]? arg[0][63] : 0;
   a107=(a107-a108);
-  a109=arg[2]? arg[2][87] : 0;
+  a109=arg[2]? arg[2][88] : 0;
   a110=(a107*a109);
   a111=arg[0]? arg[0][22] : 0;
   a112=arg[0]? arg[0][28] : 0;
-  a113=arg[2]? arg[2][82] : 0;
+  a113=arg[2]? arg[2][83] : 0;
   a114=(a112+a113);
   a115=(a111-a114);
   a116=arg[0]? arg[0][23] : 0;
@@ -8029,10 +8034,10 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a120=(a119*a103);
   a118=(a118+a120);
   a120=(a115+a118);
-  a121=arg[2]? arg[2][86] : 0;
+  a121=arg[2]? arg[2][87] : 0;
   a120=(a120*a121);
   a110=(a110-a120);
-  a122=(a095*a110);
+  a122=(a057*a110);
   a123=arg[0]? arg[0][68] : 0;
   a124=(a115*a106);
   a124=(a123-a124);
@@ -8045,29 +8050,29 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a113=(a105+a103);
   a113=(a113*a121);
   a126=(a126-a113);
-  a127=(a099*a126);
+  a127=(a095*a126);
   a122=(a122-a127);
   if (res[0]!=0) res[0][36]=a122;
-  a122=(a095*a126);
-  a127=(a099*a110);
+  a122=(a057*a126);
+  a127=(a095*a110);
   a122=(a122+a127);
   a122=(-a122);
   if (res[0]!=0) res[0][37]=a122;
-  a122=arg[2]? arg[2][97] : 0;
-  a127=arg[2]? arg[2][90] : 0;
+  a122=arg[2]? arg[2][98] : 0;
+  a127=arg[2]? arg[2][91] : 0;
   a128=arg[0]? arg[0][67] : 0;
-  a129=arg[2]? arg[2][88] : 0;
+  a129=arg[2]? arg[2][89] : 0;
   a130=(a128*a129);
   a131=arg[0]? arg[0][70] : 0;
-  a132=arg[2]? arg[2][89] : 0;
+  a132=arg[2]? arg[2][90] : 0;
   a133=(a131*a132);
   a133=(a130+a133);
   a133=(a127*a133);
-  a134=(a104-a033);
+  a134=(a104-a041);
   a135=(a129+a132);
   a136=(a135*a127);
   a137=(a134*a136);
-  a138=(a114-a057);
+  a138=(a114-a055);
   a139=casadi_sq(a134);
   a140=casadi_sq(a138);
   a139=(a139+a140);
@@ -8077,27 +8082,27 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a142=(a138*a141);
   a137=(a137+a142);
   a137=(a137/a139);
-  a142=(a027-a096);
+  a142=(a099-a048);
   a142=(a137*a142);
   a133=(a133-a142);
   a142=(a134*a141);
   a143=(a138*a136);
   a142=(a142-a143);
   a142=(a142/a139);
-  a139=(a123-a051);
+  a139=(a123-a096);
   a139=(a142*a139);
   a133=(a133-a139);
   a133=(a122*a133);
-  a139=arg[2]? arg[2][94] : 0;
+  a139=arg[2]? arg[2][95] : 0;
   a143=arg[1]? arg[1][8] : 0;
-  a144=arg[2]? arg[2][95] : 0;
+  a144=arg[2]? arg[2][96] : 0;
   a144=(a144-a139);
   a143=(a143*a144);
   a143=(a139+a143);
   a145=arg[0]? arg[0][26] : 0;
-  a146=arg[2]? arg[2][91] : 0;
+  a146=arg[2]? arg[2][92] : 0;
   a147=(a138*a146);
-  a148=arg[2]? arg[2][92] : 0;
+  a148=arg[2]? arg[2][93] : 0;
   a149=(a134*a148);
   a147=(a147-a149);
   a134=(a134*a146);
@@ -8113,7 +8118,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a138=(a127*a138);
   a141=(a141/a135);
   a147=atan(a141);
-  a146=arg[2]? arg[2][93] : 0;
+  a146=arg[2]? arg[2][94] : 0;
   a149=(a147+a146);
   a141=(a141-a149);
   a141=(a135*a141);
@@ -8123,18 +8128,18 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][38]=a133;
   if (res[0]!=0) res[0][39]=a138;
   if (res[0]!=0) res[0][40]=a147;
-  a147=arg[2]? arg[2][108] : 0;
+  a147=arg[2]? arg[2][109] : 0;
   a138=casadi_sq(a104);
   a143=casadi_sq(a114);
   a138=(a138+a143);
-  a143=arg[2]? arg[2][101] : 0;
-  a141=arg[2]? arg[2][102] : 0;
+  a143=arg[2]? arg[2][102] : 0;
+  a141=arg[2]? arg[2][103] : 0;
   a149=(a143-a141);
   a150=casadi_sq(a149);
   a151=(a138-a150);
   a151=sqrt(a151);
   a152=(a104*a151);
-  a153=arg[2]? arg[2][103] : 0;
+  a153=arg[2]? arg[2][104] : 0;
   a154=(a149*a153);
   a155=(a114*a154);
   a152=(a152+a155);
@@ -8146,19 +8151,19 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a158=(a114*a151);
   a157=(a157-a158);
   a157=(a157/a138);
-  a138=(a157*a027);
+  a138=(a157*a099);
   a156=(a156+a138);
   a155=(a155-a156);
   a155=(a147*a155);
   a151=(a151/a149);
   a156=atan(a151);
-  a138=arg[2]? arg[2][106] : 0;
+  a138=arg[2]? arg[2][107] : 0;
   a158=(a156+a138);
   a151=(a151-a158);
   a151=(a149*a151);
-  a158=arg[2]? arg[2][104] : 0;
+  a158=arg[2]? arg[2][105] : 0;
   a159=(a114*a158);
-  a160=arg[2]? arg[2][105] : 0;
+  a160=arg[2]? arg[2][106] : 0;
   a161=(a104*a160);
   a159=(a159-a161);
   a158=(a104*a158);
@@ -8171,7 +8176,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a158=(a158+a160);
   a158=(a153*a158);
   a151=(a151-a158);
-  a158=arg[2]? arg[2][107] : 0;
+  a158=arg[2]? arg[2][108] : 0;
   a160=(a151*a158);
   a155=(a155+a160);
   if (res[0]!=0) res[0][41]=a155;
@@ -8179,15 +8184,15 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][43]=a156;
   a156=arg[0]? arg[0][72] : 0;
   a151=arg[0]? arg[0][30] : 0;
-  a160=arg[2]? arg[2][111] : 0;
+  a160=arg[2]? arg[2][112] : 0;
   a161=(a151+a160);
-  a162=(a019-a161);
+  a162=(a027-a161);
   a163=(a162*a106);
   a163=(a156+a163);
   a163=(a163-a108);
   a164=(a163*a109);
   a165=arg[0]? arg[0][31] : 0;
-  a166=arg[2]? arg[2][112] : 0;
+  a166=arg[2]? arg[2][113] : 0;
   a167=(a165+a166);
   a168=(a111-a167);
   a169=(a117*a166);
@@ -8196,7 +8201,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a170=(a168+a169);
   a170=(a170*a121);
   a164=(a164-a170);
-  a171=(a095*a164);
+  a171=(a057*a164);
   a172=arg[0]? arg[0][71] : 0;
   a173=(a168*a106);
   a173=(a172-a173);
@@ -8208,11 +8213,11 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a166=(a162+a160);
   a166=(a166*a121);
   a174=(a174-a166);
-  a175=(a099*a174);
+  a175=(a095*a174);
   a171=(a171-a175);
   if (res[0]!=0) res[0][44]=a171;
-  a171=(a095*a174);
-  a175=(a099*a164);
+  a171=(a057*a174);
+  a175=(a095*a164);
   a171=(a171+a175);
   a171=(-a171);
   if (res[0]!=0) res[0][45]=a171;
@@ -8220,9 +8225,9 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a175=(a171*a132);
   a175=(a130+a175);
   a175=(a127*a175);
-  a176=(a161-a033);
+  a176=(a161-a041);
   a177=(a176*a136);
-  a178=(a167-a057);
+  a178=(a167-a055);
   a179=casadi_sq(a176);
   a180=casadi_sq(a178);
   a179=(a179+a180);
@@ -8231,23 +8236,23 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a181=(a178*a180);
   a177=(a177+a181);
   a177=(a177/a179);
-  a181=(a156-a096);
+  a181=(a156-a048);
   a181=(a177*a181);
   a175=(a175-a181);
   a181=(a176*a180);
   a182=(a178*a136);
   a181=(a181-a182);
   a181=(a181/a179);
-  a179=(a172-a051);
+  a179=(a172-a096);
   a179=(a181*a179);
   a175=(a175-a179);
   a175=(a122*a175);
   a179=arg[1]? arg[1][9] : 0;
   a179=(a179*a144);
   a179=(a139+a179);
-  a182=arg[2]? arg[2][113] : 0;
+  a182=arg[2]? arg[2][114] : 0;
   a183=(a178*a182);
-  a184=arg[2]? arg[2][114] : 0;
+  a184=arg[2]? arg[2][115] : 0;
   a185=(a176*a184);
   a183=(a183-a185);
   a176=(a176*a182);
@@ -8297,9 +8302,9 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a183=(a182+a138);
   a178=(a178-a183);
   a178=(a149*a178);
-  a183=arg[2]? arg[2][116] : 0;
+  a183=arg[2]? arg[2][117] : 0;
   a186=(a167*a183);
-  a187=arg[2]? arg[2][117] : 0;
+  a187=arg[2]? arg[2][118] : 0;
   a188=(a161*a187);
   a186=(a186-a188);
   a183=(a161*a183);
@@ -8319,15 +8324,15 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][51]=a182;
   a182=arg[0]? arg[0][75] : 0;
   a178=arg[0]? arg[0][33] : 0;
-  a183=arg[2]? arg[2][119] : 0;
+  a183=arg[2]? arg[2][120] : 0;
   a187=(a178+a183);
-  a188=(a019-a187);
+  a188=(a027-a187);
   a189=(a188*a106);
   a189=(a182+a189);
   a189=(a189-a108);
   a190=(a189*a109);
   a191=arg[0]? arg[0][34] : 0;
-  a192=arg[2]? arg[2][120] : 0;
+  a192=arg[2]? arg[2][121] : 0;
   a193=(a191+a192);
   a194=(a111-a193);
   a195=(a117*a192);
@@ -8336,7 +8341,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a196=(a194+a195);
   a196=(a196*a121);
   a190=(a190-a196);
-  a197=(a095*a190);
+  a197=(a057*a190);
   a198=arg[0]? arg[0][74] : 0;
   a199=(a194*a106);
   a199=(a198-a199);
@@ -8348,11 +8353,11 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a119=(a188+a117);
   a119=(a119*a121);
   a200=(a200-a119);
-  a121=(a099*a200);
+  a121=(a095*a200);
   a197=(a197-a121);
   if (res[0]!=0) res[0][52]=a197;
-  a197=(a095*a200);
-  a121=(a099*a190);
+  a197=(a057*a200);
+  a121=(a095*a190);
   a197=(a197+a121);
   a197=(-a197);
   if (res[0]!=0) res[0][53]=a197;
@@ -8360,9 +8365,9 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a121=(a197*a132);
   a130=(a130+a121);
   a130=(a127*a130);
-  a121=(a187-a033);
+  a121=(a187-a041);
   a192=(a121*a136);
-  a183=(a193-a057);
+  a183=(a193-a055);
   a201=casadi_sq(a121);
   a202=casadi_sq(a183);
   a201=(a201+a202);
@@ -8371,33 +8376,33 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a202=(a183*a140);
   a192=(a192+a202);
   a192=(a192/a201);
-  a096=(a182-a096);
-  a096=(a192*a096);
-  a130=(a130-a096);
-  a096=(a121*a140);
+  a048=(a182-a048);
+  a048=(a192*a048);
+  a130=(a130-a048);
+  a048=(a121*a140);
   a136=(a183*a136);
-  a096=(a096-a136);
-  a096=(a096/a201);
-  a051=(a198-a051);
-  a051=(a096*a051);
-  a130=(a130-a051);
+  a048=(a048-a136);
+  a048=(a048/a201);
+  a096=(a198-a096);
+  a096=(a048*a096);
+  a130=(a130-a096);
   a122=(a122*a130);
   a130=arg[1]? arg[1][10] : 0;
   a130=(a130*a144);
   a139=(a139+a130);
-  a130=arg[2]? arg[2][121] : 0;
+  a130=arg[2]? arg[2][122] : 0;
   a144=(a183*a130);
-  a051=arg[2]? arg[2][122] : 0;
-  a201=(a121*a051);
+  a096=arg[2]? arg[2][123] : 0;
+  a201=(a121*a096);
   a144=(a144-a201);
   a121=(a121*a130);
-  a183=(a183*a051);
+  a183=(a183*a096);
   a121=(a121+a183);
   a144=atan2(a144,a121);
   a121=(a145-a144);
   a183=(a121*a129);
-  a051=arg[0]? arg[0][35] : 0;
-  a144=(a051-a144);
+  a096=arg[0]? arg[0][35] : 0;
+  a144=(a096-a144);
   a144=(a132*a144);
   a183=(a183+a144);
   a183=(a127*a183);
@@ -8437,9 +8442,9 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a138=(a139+a138);
   a150=(a150-a138);
   a149=(a149*a150);
-  a150=arg[2]? arg[2][124] : 0;
+  a150=arg[2]? arg[2][125] : 0;
   a138=(a193*a150);
-  a135=arg[2]? arg[2][125] : 0;
+  a135=arg[2]? arg[2][126] : 0;
   a144=(a187*a135);
   a138=(a138-a144);
   a150=(a187*a150);
@@ -8447,7 +8452,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a150=(a150+a135);
   a138=atan2(a138,a150);
   a143=(a138*a143);
-  a150=(a051-a138);
+  a150=(a096-a138);
   a150=(a141*a150);
   a143=(a143+a150);
   a143=(a153*a143);
@@ -8459,10 +8464,10 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][59]=a139;
   a139=arg[0]? arg[0][36] : 0;
   a149=(a139-a001);
-  a158=arg[2]? arg[2][130] : 0;
+  a158=arg[2]? arg[2][131] : 0;
   a149=(a149*a158);
   a143=arg[0]? arg[0][77] : 0;
-  a150=arg[2]? arg[2][131] : 0;
+  a150=arg[2]? arg[2][132] : 0;
   a135=(a143*a150);
   a149=(a149+a135);
   a135=(-a149);
@@ -8476,10 +8481,10 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a150=(-a001);
   if (res[0]!=0) res[0][61]=a150;
   a150=arg[0]? arg[0][39] : 0;
-  a144=arg[2]? arg[2][137] : 0;
+  a144=arg[2]? arg[2][138] : 0;
   a140=(a150*a144);
   a146=arg[0]? arg[0][80] : 0;
-  a130=arg[2]? arg[2][138] : 0;
+  a130=arg[2]? arg[2][139] : 0;
   a201=(a146*a130);
   a140=(a140+a201);
   a201=(-a140);
@@ -8491,23 +8496,23 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a144=(a144+a130);
   a130=(-a144);
   if (res[0]!=0) res[0][63]=a130;
-  a130=arg[2]? arg[2][148] : 0;
-  a202=arg[2]? arg[2][141] : 0;
+  a130=arg[2]? arg[2][149] : 0;
+  a202=arg[2]? arg[2][142] : 0;
   a203=arg[0]? arg[0][79] : 0;
-  a204=arg[2]? arg[2][139] : 0;
+  a204=arg[2]? arg[2][140] : 0;
   a205=(a203*a204);
   a206=arg[0]? arg[0][82] : 0;
-  a207=arg[2]? arg[2][140] : 0;
+  a207=arg[2]? arg[2][141] : 0;
   a208=(a206*a207);
   a205=(a205+a208);
   a205=(a202*a205);
-  a208=arg[2]? arg[2][132] : 0;
+  a208=arg[2]? arg[2][133] : 0;
   a208=(a150+a208);
   a208=(a208-a139);
   a209=(a204+a207);
   a210=(a209*a202);
   a211=(a208*a210);
-  a212=arg[2]? arg[2][133] : 0;
+  a212=arg[2]? arg[2][134] : 0;
   a212=(a201+a212);
   a212=(a212-a135);
   a213=casadi_sq(a208);
@@ -8530,16 +8535,16 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a213=(a215*a213);
   a205=(a205-a213);
   a130=(a130*a205);
-  a205=arg[2]? arg[2][145] : 0;
+  a205=arg[2]? arg[2][146] : 0;
   a213=arg[1]? arg[1][11] : 0;
-  a210=arg[2]? arg[2][146] : 0;
+  a210=arg[2]? arg[2][147] : 0;
   a210=(a210-a205);
   a213=(a213*a210);
   a205=(a205+a213);
   a213=arg[0]? arg[0][38] : 0;
-  a210=arg[2]? arg[2][142] : 0;
+  a210=arg[2]? arg[2][143] : 0;
   a216=(a212*a210);
-  a217=arg[2]? arg[2][143] : 0;
+  a217=arg[2]? arg[2][144] : 0;
   a218=(a208*a217);
   a216=(a216-a218);
   a208=(a208*a210);
@@ -8555,7 +8560,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a212=(a202*a212);
   a214=(a214/a209);
   a216=atan(a214);
-  a210=arg[2]? arg[2][144] : 0;
+  a210=arg[2]? arg[2][145] : 0;
   a210=(a216+a210);
   a214=(a214-a210);
   a209=(a209*a214);
@@ -8565,34 +8570,34 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][64]=a130;
   if (res[0]!=0) res[0][65]=a212;
   if (res[0]!=0) res[0][66]=a216;
-  a216=arg[2]? arg[2][152] : 0;
+  a216=arg[2]? arg[2][153] : 0;
   a216=(a058*a216);
-  a212=arg[2]? arg[2][153] : 0;
+  a212=arg[2]? arg[2][154] : 0;
   a212=(a212*a038);
   a216=(a216+a212);
   a212=(-a216);
   if (res[0]!=0) res[0][67]=a212;
   a205=(a040-a116);
-  a209=arg[2]? arg[2][154] : 0;
-  a205=(a205*a209);
   a209=arg[2]? arg[2][155] : 0;
+  a205=(a205*a209);
+  a209=arg[2]? arg[2][156] : 0;
   a214=(a017-a106);
   a209=(a209*a214);
   a205=(a205+a209);
   if (res[0]!=0) res[0][68]=a205;
   a209=(a145-a213);
-  a214=arg[2]? arg[2][156] : 0;
-  a209=(a209*a214);
   a214=arg[2]? arg[2][157] : 0;
+  a209=(a209*a214);
+  a214=arg[2]? arg[2][158] : 0;
   a210=(a128-a203);
   a214=(a214*a210);
   a209=(a209+a214);
   if (res[0]!=0) res[0][69]=a209;
   a214=arg[0]? arg[0][1] : 0;
   a210=(a217-a214);
-  a218=arg[2]? arg[2][158] : 0;
-  a210=(a210*a218);
   a218=arg[2]? arg[2][159] : 0;
+  a210=(a210*a218);
+  a218=arg[2]? arg[2][160] : 0;
   a219=arg[0]? arg[0][42] : 0;
   a220=(a206-a219);
   a218=(a218*a220);
@@ -8600,15 +8605,15 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][70]=a210;
   a218=arg[0]? arg[0][2] : 0;
   a220=(a214-a218);
-  a221=arg[2]? arg[2][160] : 0;
-  a220=(a220*a221);
   a221=arg[2]? arg[2][161] : 0;
+  a220=(a220*a221);
+  a221=arg[2]? arg[2][162] : 0;
   a222=arg[0]? arg[0][43] : 0;
   a223=(a219-a222);
   a221=(a221*a223);
   a220=(a220+a221);
   if (res[0]!=0) res[0][71]=a220;
-  a221=arg[2]? arg[2][162] : 0;
+  a221=arg[2]? arg[2][163] : 0;
   if (res[0]!=0) res[0][72]=a221;
   a223=arg[2]? arg[2][33] : 0;
   a224=6.2831853071795862e+00;
@@ -8659,18 +8664,18 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a228=arg[2]? arg[2][72] : 0;
   a025=(a025+a228);
   if (res[0]!=0) res[0][80]=a025;
-  a025=arg[2]? arg[2][98] : 0;
+  a025=arg[2]? arg[2][99] : 0;
   a025=(a025/a224);
-  a228=arg[2]? arg[2][78] : 0;
+  a228=arg[2]? arg[2][79] : 0;
   a044=(a228-a044);
   a044=(a044*a047);
   a134=(a044+a134);
   a134=(a025*a134);
-  a093=arg[2]? arg[2][99] : 0;
+  a093=arg[2]? arg[2][100] : 0;
   a134=(a134+a093);
   if (res[0]!=0) res[0][81]=a134;
-  a134=arg[2]? arg[2][110] : 0;
-  a093=arg[2]? arg[2][109] : 0;
+  a134=arg[2]? arg[2][111] : 0;
+  a093=arg[2]? arg[2][110] : 0;
   a093=(a093/a224);
   a159=(a050+a159);
   a159=(a093*a159);
@@ -8678,42 +8683,42 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][82]=a134;
   a176=(a044+a176);
   a176=(a025*a176);
-  a134=arg[2]? arg[2][115] : 0;
+  a134=arg[2]? arg[2][116] : 0;
   a176=(a176+a134);
   if (res[0]!=0) res[0][83]=a176;
-  a176=arg[2]? arg[2][118] : 0;
+  a176=arg[2]? arg[2][119] : 0;
   a186=(a050+a186);
   a186=(a093*a186);
   a176=(a176-a186);
   if (res[0]!=0) res[0][84]=a176;
   a044=(a044+a121);
   a025=(a025*a044);
-  a044=arg[2]? arg[2][123] : 0;
+  a044=arg[2]? arg[2][124] : 0;
   a025=(a025+a044);
   if (res[0]!=0) res[0][85]=a025;
-  a025=arg[2]? arg[2][126] : 0;
+  a025=arg[2]? arg[2][127] : 0;
   a050=(a050+a138);
   a093=(a093*a050);
   a025=(a025-a093);
   if (res[0]!=0) res[0][86]=a025;
-  a025=arg[2]? arg[2][149] : 0;
+  a025=arg[2]? arg[2][150] : 0;
   a025=(a025/a224);
-  a224=arg[2]? arg[2][129] : 0;
+  a224=arg[2]? arg[2][130] : 0;
   a047=(a224*a047);
   a047=(a047+a208);
   a025=(a025*a047);
-  a047=arg[2]? arg[2][150] : 0;
+  a047=arg[2]? arg[2][151] : 0;
   a025=(a025+a047);
   if (res[0]!=0) res[0][87]=a025;
   a025=arg[2]? arg[2][2] : 0;
-  a025=(a025*a048);
+  a025=(a025*a026);
   if (res[0]!=0) res[0][88]=a025;
   a025=0.;
   if (res[0]!=0) res[0][89]=a025;
   if (res[0]!=0) res[0][90]=a025;
   if (res[0]!=0) res[0][91]=a212;
   a212=arg[2]? arg[2][4] : 0;
-  a212=(a212*a048);
+  a212=(a212*a026);
   a212=(a212+a219);
   if (res[0]!=0) res[0][92]=a212;
   if (res[0]!=0) res[0][93]=a214;
@@ -8722,7 +8727,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a214=(a214/a212);
   if (res[0]!=0) res[0][94]=a214;
   a214=arg[2]? arg[2][6] : 0;
-  a214=(a214*a048);
+  a214=(a214*a026);
   a214=(a214+a222);
   if (res[0]!=0) res[0][95]=a214;
   if (res[0]!=0) res[0][96]=a218;
@@ -8756,7 +8761,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][101]=a003;
   if (res[0]!=0) res[0][102]=a000;
   if (res[0]!=0) res[0][103]=a006;
-  a227=(a227*a048);
+  a227=(a227*a026);
   a227=(a227+a038);
   if (res[0]!=0) res[0][104]=a227;
   if (res[0]!=0) res[0][105]=a058;
@@ -8801,7 +8806,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][110]=a035;
   if (res[0]!=0) res[0][111]=a024;
   if (res[0]!=0) res[0][112]=a030;
-  a225=(a225*a048);
+  a225=(a225*a026);
   a225=(a225+a017);
   if (res[0]!=0) res[0][113]=a225;
   if (res[0]!=0) res[0][114]=a040;
@@ -8835,7 +8840,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][120]=a010;
   if (res[0]!=0) res[0][121]=a014;
   a014=arg[2]? arg[2][20] : 0;
-  a014=(a014*a048);
+  a014=(a014*a026);
   a020=(a014+a020);
   if (res[0]!=0) res[0][122]=a020;
   if (res[0]!=0) res[0][123]=a043;
@@ -8907,34 +8912,34 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][151]=a042;
   a042=(a126+a174);
   a042=(a042+a200);
-  a022=arg[2]? arg[2][73] : 0;
+  a022=arg[2]? arg[2][74] : 0;
   a042=(a042/a022);
-  a015=(a099*a042);
+  a015=(a095*a042);
   a021=(a110+a164);
   a021=(a021+a190);
   a021=(a021/a022);
-  a022=(a095*a021);
+  a022=(a057*a021);
   a015=(a015-a022);
   if (res[0]!=0) res[0][152]=a015;
-  a042=(a095*a042);
-  a021=(a099*a021);
+  a042=(a057*a042);
+  a021=(a095*a021);
   a042=(a042+a021);
   if (res[0]!=0) res[0][153]=a042;
-  a042=(a026*a111);
+  a042=(a033*a111);
   a125=(a125-a042);
-  a042=(a099*a125);
-  a021=(a026*a019);
+  a042=(a095*a125);
+  a021=(a033*a027);
   a108=(a108+a021);
-  a021=(a095*a108);
+  a021=(a057*a108);
   a042=(a042-a021);
   if (res[0]!=0) res[0][154]=a042;
-  a125=(a095*a125);
-  a108=(a099*a108);
+  a125=(a057*a125);
+  a108=(a095*a108);
   a125=(a125+a108);
   if (res[0]!=0) res[0][155]=a125;
-  if (res[0]!=0) res[0][156]=a019;
+  if (res[0]!=0) res[0][156]=a027;
   if (res[0]!=0) res[0][157]=a111;
-  a106=(a026+a106);
+  a106=(a033+a106);
   if (res[0]!=0) res[0][158]=a106;
   if (res[0]!=0) res[0][159]=a116;
   a115=(a115*a124);
@@ -8964,44 +8969,44 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a109=(a109+a195);
   a115=(a115+a109);
   a115=(a115+a205);
-  a205=arg[2]? arg[2][74] : 0;
+  a205=arg[2]? arg[2][75] : 0;
   a115=(a115/a205);
   if (res[0]!=0) res[0][160]=a115;
   a137=(a137*a133);
-  a055=(a055+a137);
+  a051=(a051+a137);
   a177=(a177*a175);
-  a055=(a055+a177);
+  a051=(a051+a177);
   a192=(a192*a122);
-  a055=(a055+a192);
-  a115=arg[2]? arg[2][76] : 0;
-  a055=(a055/a115);
-  a205=(a095*a055);
+  a051=(a051+a192);
+  a115=arg[2]? arg[2][77] : 0;
+  a051=(a051/a115);
+  a205=(a057*a051);
   a142=(a133*a142);
   a100=(a100+a142);
   a181=(a175*a181);
   a100=(a100+a181);
-  a096=(a122*a096);
-  a100=(a100+a096);
+  a048=(a122*a048);
+  a100=(a100+a048);
   a100=(a100/a115);
-  a115=(a099*a100);
+  a115=(a095*a100);
   a205=(a205-a115);
   if (res[0]!=0) res[0][161]=a205;
-  a100=(a095*a100);
-  a055=(a099*a055);
-  a100=(a100+a055);
+  a100=(a057*a100);
+  a051=(a095*a051);
+  a100=(a100+a051);
   a100=(-a100);
   if (res[0]!=0) res[0][162]=a100;
-  a100=(a099*a101);
-  a055=(a095*a041);
-  a100=(a100-a055);
+  a100=(a095*a101);
+  a051=(a057*a019);
+  a100=(a100-a051);
   if (res[0]!=0) res[0][163]=a100;
-  a101=(a095*a101);
-  a041=(a099*a041);
-  a101=(a101+a041);
+  a101=(a057*a101);
+  a019=(a095*a019);
+  a101=(a101+a019);
   if (res[0]!=0) res[0][164]=a101;
-  if (res[0]!=0) res[0][165]=a033;
-  if (res[0]!=0) res[0][166]=a057;
-  a228=(a228*a048);
+  if (res[0]!=0) res[0][165]=a041;
+  if (res[0]!=0) res[0][166]=a055;
+  a228=(a228*a026);
   a228=(a228+a128);
   if (res[0]!=0) res[0][167]=a228;
   if (res[0]!=0) res[0][168]=a145;
@@ -9014,43 +9019,43 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a129=(a122*a129);
   a145=(a145+a129);
   a145=(a145+a209);
-  a129=arg[2]? arg[2][77] : 0;
+  a129=arg[2]? arg[2][78] : 0;
   a145=(a145/a129);
   a145=(-a145);
   if (res[0]!=0) res[0][169]=a145;
   a142=(a142-a126);
   a152=(a155*a152);
   a142=(a142-a152);
-  a152=arg[2]? arg[2][83] : 0;
+  a152=arg[2]? arg[2][84] : 0;
   a142=(a142/a152);
-  a126=(a099*a142);
+  a126=(a095*a142);
   a137=(a137-a110);
   a157=(a157*a155);
   a137=(a137+a157);
   a137=(a137/a152);
-  a157=(a095*a137);
+  a157=(a057*a137);
   a126=(a126-a157);
   if (res[0]!=0) res[0][170]=a126;
-  a142=(a095*a142);
-  a137=(a099*a137);
+  a142=(a057*a142);
+  a137=(a095*a137);
   a142=(a142+a137);
   if (res[0]!=0) res[0][171]=a142;
-  a114=(a026*a114);
+  a114=(a033*a114);
   a123=(a123-a114);
-  a114=(a099*a123);
-  a104=(a026*a104);
-  a027=(a027+a104);
-  a104=(a095*a027);
+  a114=(a095*a123);
+  a104=(a033*a104);
+  a099=(a099+a104);
+  a104=(a057*a099);
   a114=(a114-a104);
   if (res[0]!=0) res[0][172]=a114;
-  a123=(a095*a123);
-  a027=(a099*a027);
-  a123=(a123+a027);
+  a123=(a057*a123);
+  a099=(a095*a099);
+  a123=(a123+a099);
   if (res[0]!=0) res[0][173]=a123;
   if (res[0]!=0) res[0][174]=a102;
   if (res[0]!=0) res[0][175]=a112;
-  a112=arg[2]? arg[2][85] : 0;
-  a112=(a112*a048);
+  a112=arg[2]? arg[2][86] : 0;
+  a112=(a112*a026);
   a131=(a112+a131);
   if (res[0]!=0) res[0][176]=a131;
   if (res[0]!=0) res[0][177]=a148;
@@ -9058,35 +9063,35 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a155=(a155*a141);
   a133=(a133*a132);
   a155=(a155-a133);
-  a133=arg[2]? arg[2][84] : 0;
+  a133=arg[2]? arg[2][85] : 0;
   a155=(a155/a133);
   if (res[0]!=0) res[0][178]=a155;
   a181=(a181-a174);
   a179=(a180*a179);
   a181=(a181-a179);
   a181=(a181/a152);
-  a179=(a099*a181);
+  a179=(a095*a181);
   a177=(a177-a164);
   a185=(a185*a180);
   a177=(a177+a185);
   a177=(a177/a152);
-  a185=(a095*a177);
+  a185=(a057*a177);
   a179=(a179-a185);
   if (res[0]!=0) res[0][179]=a179;
-  a181=(a095*a181);
-  a177=(a099*a177);
+  a181=(a057*a181);
+  a177=(a095*a177);
   a181=(a181+a177);
   if (res[0]!=0) res[0][180]=a181;
-  a167=(a026*a167);
+  a167=(a033*a167);
   a172=(a172-a167);
-  a167=(a099*a172);
-  a161=(a026*a161);
+  a167=(a095*a172);
+  a161=(a033*a161);
   a156=(a156+a161);
-  a161=(a095*a156);
+  a161=(a057*a156);
   a167=(a167-a161);
   if (res[0]!=0) res[0][181]=a167;
-  a172=(a095*a172);
-  a156=(a099*a156);
+  a172=(a057*a172);
+  a156=(a095*a156);
   a172=(a172+a156);
   if (res[0]!=0) res[0][182]=a172;
   if (res[0]!=0) res[0][183]=a151;
@@ -9100,39 +9105,39 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a180=(a180-a175);
   a180=(a180/a133);
   if (res[0]!=0) res[0][187]=a180;
-  a096=(a096-a200);
+  a048=(a048-a200);
   a183=(a147*a183);
-  a096=(a096-a183);
-  a096=(a096/a152);
-  a183=(a099*a096);
+  a048=(a048-a183);
+  a048=(a048/a152);
+  a183=(a095*a048);
   a192=(a192-a190);
   a154=(a154*a147);
   a192=(a192+a154);
   a192=(a192/a152);
-  a152=(a095*a192);
+  a152=(a057*a192);
   a183=(a183-a152);
   if (res[0]!=0) res[0][188]=a183;
-  a096=(a095*a096);
-  a192=(a099*a192);
-  a096=(a096+a192);
-  if (res[0]!=0) res[0][189]=a096;
-  a193=(a026*a193);
+  a048=(a057*a048);
+  a192=(a095*a192);
+  a048=(a048+a192);
+  if (res[0]!=0) res[0][189]=a048;
+  a193=(a033*a193);
   a198=(a198-a193);
-  a193=(a099*a198);
-  a026=(a026*a187);
-  a182=(a182+a026);
-  a026=(a095*a182);
-  a193=(a193-a026);
+  a193=(a095*a198);
+  a033=(a033*a187);
+  a182=(a182+a033);
+  a033=(a057*a182);
+  a193=(a193-a033);
   if (res[0]!=0) res[0][190]=a193;
-  a095=(a095*a198);
-  a099=(a099*a182);
-  a095=(a095+a099);
-  if (res[0]!=0) res[0][191]=a095;
+  a057=(a057*a198);
+  a095=(a095*a182);
+  a057=(a057+a095);
+  if (res[0]!=0) res[0][191]=a057;
   if (res[0]!=0) res[0][192]=a178;
   if (res[0]!=0) res[0][193]=a191;
   a112=(a112+a197);
   if (res[0]!=0) res[0][194]=a112;
-  if (res[0]!=0) res[0][195]=a051;
+  if (res[0]!=0) res[0][195]=a096;
   a147=(a147*a153);
   a147=(a147*a141);
   a122=(a122*a132);
@@ -9141,7 +9146,7 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][196]=a147;
   a215=(a130*a215);
   a149=(a149+a215);
-  a147=arg[2]? arg[2][127] : 0;
+  a147=arg[2]? arg[2][128] : 0;
   a149=(a149/a147);
   a149=(-a149);
   if (res[0]!=0) res[0][197]=a149;
@@ -9154,18 +9159,18 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][200]=a158;
   if (res[0]!=0) res[0][201]=a139;
   if (res[0]!=0) res[0][202]=a135;
-  a224=(a224*a048);
+  a224=(a224*a026);
   a224=(a224+a203);
   if (res[0]!=0) res[0][203]=a224;
   if (res[0]!=0) res[0][204]=a213;
   a130=(a130*a202);
   a204=(a130*a204);
   a209=(a209-a204);
-  a204=arg[2]? arg[2][128] : 0;
+  a204=arg[2]? arg[2][129] : 0;
   a209=(a209/a204);
   if (res[0]!=0) res[0][205]=a209;
   a215=(a215-a140);
-  a140=arg[2]? arg[2][134] : 0;
+  a140=arg[2]? arg[2][135] : 0;
   a215=(a215/a140);
   if (res[0]!=0) res[0][206]=a215;
   a211=(a211-a144);
@@ -9175,14 +9180,14 @@ static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][209]=a136;
   if (res[0]!=0) res[0][210]=a150;
   if (res[0]!=0) res[0][211]=a201;
-  a201=arg[2]? arg[2][136] : 0;
-  a201=(a201*a048);
+  a201=arg[2]? arg[2][137] : 0;
+  a201=(a201*a026);
   a201=(a201+a206);
   if (res[0]!=0) res[0][212]=a201;
   if (res[0]!=0) res[0][213]=a217;
   a130=(a130*a207);
   a130=(a130+a210);
-  a210=arg[2]? arg[2][135] : 0;
+  a210=arg[2]? arg[2][136] : 0;
   a130=(a130/a210);
   a130=(-a130);
   if (res[0]!=0) res[0][214]=a130;
@@ -9264,7 +9269,7 @@ CASADI_SYMBOL_EXPORT int outputs_work_bytes(casadi_int *sz_arg, casadi_int* sz_r
   return 0;
 }
 
-/* phases:(x[83],s[12],p[163])->(tau[12],tau_rate[12],share[12]) */
+/* phases:(x[83],s[12],p[164])->(tau[12],tau_rate[12],share[12]) */
 static int casadi_f3(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a0, a1, a2, a3, a4, a5;
   a0=arg[2]? arg[2][35] : 0;
@@ -9296,20 +9301,20 @@ static int casadi_f3(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a2=arg[2]? arg[2][72] : 0;
   a4=(a4+a2);
   if (res[0]!=0) res[0][7]=a4;
-  a4=arg[2]? arg[2][100] : 0;
+  a4=arg[2]? arg[2][101] : 0;
   a2=(a4*a1);
-  a5=arg[2]? arg[2][99] : 0;
+  a5=arg[2]? arg[2][100] : 0;
   a5=(a2+a5);
   if (res[0]!=0) res[0][8]=a5;
-  a5=arg[2]? arg[2][115] : 0;
+  a5=arg[2]? arg[2][116] : 0;
   a5=(a2+a5);
   if (res[0]!=0) res[0][9]=a5;
-  a5=arg[2]? arg[2][123] : 0;
+  a5=arg[2]? arg[2][124] : 0;
   a2=(a2+a5);
   if (res[0]!=0) res[0][10]=a2;
-  a2=arg[2]? arg[2][151] : 0;
+  a2=arg[2]? arg[2][152] : 0;
   a1=(a2*a1);
-  a5=arg[2]? arg[2][150] : 0;
+  a5=arg[2]? arg[2][151] : 0;
   a1=(a1+a5);
   if (res[0]!=0) res[0][11]=a1;
   a1=arg[2]? arg[2][0] : 0;
@@ -9339,11 +9344,11 @@ static int casadi_f3(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[2]!=0) res[2][5]=a1;
   if (res[2]!=0) res[2][6]=a2;
   if (res[2]!=0) res[2][7]=a1;
-  a1=arg[2]? arg[2][96] : 0;
+  a1=arg[2]? arg[2][97] : 0;
   if (res[2]!=0) res[2][8]=a1;
   if (res[2]!=0) res[2][9]=a1;
   if (res[2]!=0) res[2][10]=a1;
-  a1=arg[2]? arg[2][147] : 0;
+  a1=arg[2]? arg[2][148] : 0;
   if (res[2]!=0) res[2][11]=a1;
   return 0;
 }
@@ -9427,8 +9432,88 @@ CASADI_SYMBOL_EXPORT int phases_work_bytes(casadi_int *sz_arg, casadi_int* sz_re
   return 0;
 }
 
-/* energy:(x[83],s[12],p[163])->(balance[5]) */
+/* borders:(x[83],s[12],p[164])->(g[0]) */
 static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT int borders(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem){
+  return casadi_f4(arg, res, iw, w, mem);
+}
+
+CASADI_SYMBOL_EXPORT int borders_checkout(void) {
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT void borders_release(int mem) {
+}
+
+CASADI_SYMBOL_EXPORT void borders_incref(void) {
+}
+
+CASADI_SYMBOL_EXPORT void borders_decref(void) {
+}
+
+CASADI_SYMBOL_EXPORT casadi_int borders_n_in(void) { return 3;}
+
+CASADI_SYMBOL_EXPORT casadi_int borders_n_out(void) { return 1;}
+
+CASADI_SYMBOL_EXPORT casadi_real borders_default_in(casadi_int i) {
+  switch (i) {
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const char* borders_name_in(casadi_int i) {
+  switch (i) {
+    case 0: return "x";
+    case 1: return "s";
+    case 2: return "p";
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const char* borders_name_out(casadi_int i) {
+  switch (i) {
+    case 0: return "g";
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const casadi_int* borders_sparsity_in(casadi_int i) {
+  switch (i) {
+    case 0: return casadi_s0;
+    case 1: return casadi_s1;
+    case 2: return casadi_s2;
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const casadi_int* borders_sparsity_out(casadi_int i) {
+  switch (i) {
+    case 0: return casadi_s8;
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT int borders_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
+  if (sz_arg) *sz_arg = 3;
+  if (sz_res) *sz_res = 1;
+  if (sz_iw) *sz_iw = 0;
+  if (sz_w) *sz_w = 0;
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT int borders_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
+  if (sz_arg) *sz_arg = 3*sizeof(const casadi_real*);
+  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
+  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
+  if (sz_w) *sz_w = 0*sizeof(casadi_real);
+  return 0;
+}
+
+/* energy:(x[83],s[12],p[164])->(balance[5]) */
+static int casadi_f5(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a000, a001, a002, a003, a004, a005, a006, a007, a008, a009, a010, a011;
   casadi_real a012, a013, a014, a015, a016, a017, a018, a019, a020, a021, a022, a023;
   casadi_real a024, a025, a026, a027, a028, a029, a030, a031, a032, a033, a034, a035;
@@ -9564,9 +9649,9 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a017=(a017*a020);
   a017=(a017/a003);
   a000=(a000+a017);
-  a017=arg[2]? arg[2][73] : 0;
+  a017=arg[2]? arg[2][74] : 0;
   a020=arg[0]? arg[0][62] : 0;
-  a028=arg[2]? arg[2][75] : 0;
+  a028=arg[2]? arg[2][76] : 0;
   a028=(a028*a002);
   a030=arg[0]? arg[0][22] : 0;
   a031=(a028*a030);
@@ -9581,14 +9666,14 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a017=(a017*a031);
   a017=(a017/a003);
   a000=(a000+a017);
-  a017=arg[2]? arg[2][74] : 0;
+  a017=arg[2]? arg[2][75] : 0;
   a031=arg[0]? arg[0][64] : 0;
   a034=(a031+a028);
   a034=casadi_sq(a034);
   a017=(a017*a034);
   a017=(a017/a003);
   a000=(a000+a017);
-  a017=arg[2]? arg[2][76] : 0;
+  a017=arg[2]? arg[2][77] : 0;
   a034=arg[0]? arg[0][65] : 0;
   a035=arg[0]? arg[0][25] : 0;
   a036=(a028*a035);
@@ -9603,26 +9688,26 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a017=(a017*a040);
   a017=(a017/a003);
   a000=(a000+a017);
-  a017=arg[2]? arg[2][77] : 0;
+  a017=arg[2]? arg[2][78] : 0;
   a040=arg[0]? arg[0][67] : 0;
-  a041=arg[2]? arg[2][78] : 0;
+  a041=arg[2]? arg[2][79] : 0;
   a041=(a041*a002);
   a041=(a040+a041);
   a041=casadi_sq(a041);
   a017=(a017*a041);
   a017=(a017/a003);
   a000=(a000+a017);
-  a017=arg[2]? arg[2][83] : 0;
+  a017=arg[2]? arg[2][84] : 0;
   a041=arg[0]? arg[0][68] : 0;
   a042=arg[0]? arg[0][28] : 0;
-  a043=arg[2]? arg[2][82] : 0;
+  a043=arg[2]? arg[2][83] : 0;
   a042=(a042+a043);
   a044=(a028*a042);
   a044=(a041-a044);
   a044=casadi_sq(a044);
   a045=arg[0]? arg[0][69] : 0;
   a046=arg[0]? arg[0][27] : 0;
-  a047=arg[2]? arg[2][81] : 0;
+  a047=arg[2]? arg[2][82] : 0;
   a046=(a046+a047);
   a048=(a028*a046);
   a048=(a045+a048);
@@ -9631,9 +9716,9 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a044=(a017*a044);
   a044=(a044/a003);
   a000=(a000+a044);
-  a044=arg[2]? arg[2][84] : 0;
+  a044=arg[2]? arg[2][85] : 0;
   a048=arg[0]? arg[0][70] : 0;
-  a049=arg[2]? arg[2][85] : 0;
+  a049=arg[2]? arg[2][86] : 0;
   a049=(a049*a002);
   a050=(a048+a049);
   a050=casadi_sq(a050);
@@ -9642,14 +9727,14 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a000=(a000+a050);
   a050=arg[0]? arg[0][71] : 0;
   a051=arg[0]? arg[0][31] : 0;
-  a052=arg[2]? arg[2][112] : 0;
+  a052=arg[2]? arg[2][113] : 0;
   a051=(a051+a052);
   a053=(a028*a051);
   a053=(a050-a053);
   a053=casadi_sq(a053);
   a054=arg[0]? arg[0][72] : 0;
   a055=arg[0]? arg[0][30] : 0;
-  a056=arg[2]? arg[2][111] : 0;
+  a056=arg[2]? arg[2][112] : 0;
   a055=(a055+a056);
   a057=(a028*a055);
   a057=(a054+a057);
@@ -9666,14 +9751,14 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a000=(a000+a057);
   a057=arg[0]? arg[0][74] : 0;
   a058=arg[0]? arg[0][34] : 0;
-  a059=arg[2]? arg[2][120] : 0;
+  a059=arg[2]? arg[2][121] : 0;
   a058=(a058+a059);
   a060=(a028*a058);
   a060=(a057-a060);
   a060=casadi_sq(a060);
   a061=arg[0]? arg[0][75] : 0;
   a062=arg[0]? arg[0][33] : 0;
-  a063=arg[2]? arg[2][119] : 0;
+  a063=arg[2]? arg[2][120] : 0;
   a062=(a062+a063);
   a028=(a028*a062);
   a028=(a061+a028);
@@ -9688,7 +9773,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a044=(a044*a049);
   a044=(a044/a003);
   a000=(a000+a044);
-  a044=arg[2]? arg[2][127] : 0;
+  a044=arg[2]? arg[2][128] : 0;
   a049=arg[0]? arg[0][77] : 0;
   a060=casadi_sq(a049);
   a028=arg[0]? arg[0][78] : 0;
@@ -9697,16 +9782,16 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a044=(a044*a065);
   a044=(a044/a003);
   a000=(a000+a044);
-  a044=arg[2]? arg[2][128] : 0;
+  a044=arg[2]? arg[2][129] : 0;
   a065=arg[0]? arg[0][79] : 0;
-  a066=arg[2]? arg[2][129] : 0;
+  a066=arg[2]? arg[2][130] : 0;
   a066=(a066*a002);
   a066=(a065+a066);
   a066=casadi_sq(a066);
   a044=(a044*a066);
   a044=(a044/a003);
   a000=(a000+a044);
-  a044=arg[2]? arg[2][134] : 0;
+  a044=arg[2]? arg[2][135] : 0;
   a066=arg[0]? arg[0][80] : 0;
   a067=casadi_sq(a066);
   a068=arg[0]? arg[0][81] : 0;
@@ -9715,9 +9800,9 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a044=(a044*a070);
   a044=(a044/a003);
   a000=(a000+a044);
-  a044=arg[2]? arg[2][135] : 0;
+  a044=arg[2]? arg[2][136] : 0;
   a070=arg[0]? arg[0][82] : 0;
-  a071=arg[2]? arg[2][136] : 0;
+  a071=arg[2]? arg[2][137] : 0;
   a071=(a071*a002);
   a071=(a070+a071);
   a071=casadi_sq(a071);
@@ -10089,7 +10174,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a072=casadi_sq(a072);
   a076=(a076*a072);
   a044=(a044+a076);
-  a076=arg[2]? arg[2][79] : 0;
+  a076=arg[2]? arg[2][80] : 0;
   a076=(a000*a076);
   a072=(a038-a071);
   a072=casadi_sq(a072);
@@ -10098,7 +10183,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a072=(a072+a074);
   a076=(a076*a072);
   a044=(a044+a076);
-  a076=arg[2]? arg[2][86] : 0;
+  a076=arg[2]? arg[2][87] : 0;
   a076=(a000*a076);
   a072=(a030-a042);
   a074=arg[0]? arg[0][23] : 0;
@@ -10118,20 +10203,20 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a102=(a102+a047);
   a102=(a076*a102);
   a044=(a044+a102);
-  a102=arg[2]? arg[2][94] : 0;
+  a102=arg[2]? arg[2][95] : 0;
   a047=arg[1]? arg[1][8] : 0;
-  a043=arg[2]? arg[2][95] : 0;
+  a043=arg[2]? arg[2][96] : 0;
   a043=(a043-a102);
   a047=(a047*a043);
   a047=(a102+a047);
   a047=(a000*a047);
-  a116=arg[2]? arg[2][90] : 0;
+  a116=arg[2]? arg[2][91] : 0;
   a121=arg[0]? arg[0][26] : 0;
   a094=(a042-a035);
-  a122=arg[2]? arg[2][91] : 0;
+  a122=arg[2]? arg[2][92] : 0;
   a123=(a094*a122);
   a124=(a046-a038);
-  a125=arg[2]? arg[2][92] : 0;
+  a125=arg[2]? arg[2][93] : 0;
   a126=(a124*a125);
   a123=(a123-a126);
   a122=(a124*a122);
@@ -10139,9 +10224,9 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a122=(a122+a125);
   a123=atan2(a123,a122);
   a122=(a121-a123);
-  a125=arg[2]? arg[2][88] : 0;
+  a125=arg[2]? arg[2][89] : 0;
   a122=(a122*a125);
-  a126=arg[2]? arg[2][89] : 0;
+  a126=arg[2]? arg[2][90] : 0;
   a127=arg[0]? arg[0][29] : 0;
   a123=(a127-a123);
   a123=(a126*a123);
@@ -10156,7 +10241,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a130=sqrt(a130);
   a131=(a130/a123);
   a132=atan(a131);
-  a133=arg[2]? arg[2][93] : 0;
+  a133=arg[2]? arg[2][94] : 0;
   a132=(a132+a133);
   a131=(a131-a132);
   a131=(a123*a131);
@@ -10164,10 +10249,10 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a122=casadi_sq(a122);
   a047=(a047*a122);
   a044=(a044+a047);
-  a047=arg[2]? arg[2][107] : 0;
+  a047=arg[2]? arg[2][108] : 0;
   a047=(a000*a047);
-  a122=arg[2]? arg[2][101] : 0;
-  a131=arg[2]? arg[2][102] : 0;
+  a122=arg[2]? arg[2][102] : 0;
+  a131=arg[2]? arg[2][103] : 0;
   a132=(a122-a131);
   a134=casadi_sq(a046);
   a135=casadi_sq(a042);
@@ -10177,14 +10262,14 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a136=sqrt(a136);
   a137=(a136/a132);
   a138=atan(a137);
-  a139=arg[2]? arg[2][106] : 0;
+  a139=arg[2]? arg[2][107] : 0;
   a138=(a138+a139);
   a137=(a137-a138);
   a137=(a132*a137);
-  a138=arg[2]? arg[2][103] : 0;
-  a140=arg[2]? arg[2][104] : 0;
+  a138=arg[2]? arg[2][104] : 0;
+  a140=arg[2]? arg[2][105] : 0;
   a141=(a042*a140);
-  a142=arg[2]? arg[2][105] : 0;
+  a142=arg[2]? arg[2][106] : 0;
   a143=(a046*a142);
   a141=(a141-a143);
   a140=(a046*a140);
@@ -10220,10 +10305,10 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a140=(a102+a140);
   a140=(a000*a140);
   a056=(a051-a035);
-  a052=arg[2]? arg[2][113] : 0;
+  a052=arg[2]? arg[2][114] : 0;
   a141=(a056*a052);
   a142=(a055-a038);
-  a143=arg[2]? arg[2][114] : 0;
+  a143=arg[2]? arg[2][115] : 0;
   a144=(a142*a143);
   a141=(a141-a144);
   a052=(a142*a052);
@@ -10261,9 +10346,9 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a146=(a146+a139);
   a145=(a145-a146);
   a145=(a132*a145);
-  a146=arg[2]? arg[2][116] : 0;
+  a146=arg[2]? arg[2][117] : 0;
   a147=(a051*a146);
-  a148=arg[2]? arg[2][117] : 0;
+  a148=arg[2]? arg[2][118] : 0;
   a149=(a055*a148);
   a147=(a147-a149);
   a146=(a055*a146);
@@ -10299,10 +10384,10 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a102=(a102+a076);
   a102=(a000*a102);
   a035=(a058-a035);
-  a076=arg[2]? arg[2][121] : 0;
+  a076=arg[2]? arg[2][122] : 0;
   a043=(a035*a076);
   a038=(a062-a038);
-  a146=arg[2]? arg[2][122] : 0;
+  a146=arg[2]? arg[2][123] : 0;
   a119=(a038*a146);
   a043=(a043-a119);
   a076=(a038*a076);
@@ -10340,9 +10425,9 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a119=(a119+a139);
   a076=(a076-a119);
   a076=(a132*a076);
-  a119=arg[2]? arg[2][124] : 0;
+  a119=arg[2]? arg[2][125] : 0;
   a139=(a058*a119);
-  a092=arg[2]? arg[2][125] : 0;
+  a092=arg[2]? arg[2][126] : 0;
   a133=(a062*a092);
   a139=(a139-a133);
   a119=(a062*a119);
@@ -10358,7 +10443,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a076=casadi_sq(a076);
   a047=(a047*a076);
   a044=(a044+a047);
-  a047=arg[2]? arg[2][130] : 0;
+  a047=arg[2]? arg[2][131] : 0;
   a047=(a000*a047);
   a076=arg[0]? arg[0][36] : 0;
   a122=(a076-a071);
@@ -10369,7 +10454,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a122=(a122+a071);
   a047=(a047*a122);
   a044=(a044+a047);
-  a047=arg[2]? arg[2][137] : 0;
+  a047=arg[2]? arg[2][138] : 0;
   a047=(a000*a047);
   a122=arg[0]? arg[0][39] : 0;
   a071=casadi_sq(a122);
@@ -10378,24 +10463,24 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a071=(a071+a119);
   a047=(a047*a071);
   a044=(a044+a047);
-  a047=arg[2]? arg[2][145] : 0;
+  a047=arg[2]? arg[2][146] : 0;
   a071=arg[1]? arg[1][11] : 0;
-  a119=arg[2]? arg[2][146] : 0;
+  a119=arg[2]? arg[2][147] : 0;
   a119=(a119-a047);
   a071=(a071*a119);
   a047=(a047+a071);
   a047=(a000*a047);
-  a071=arg[2]? arg[2][141] : 0;
+  a071=arg[2]? arg[2][142] : 0;
   a119=arg[0]? arg[0][38] : 0;
-  a092=arg[2]? arg[2][133] : 0;
+  a092=arg[2]? arg[2][134] : 0;
   a139=(a139+a092);
   a139=(a139-a146);
-  a146=arg[2]? arg[2][142] : 0;
+  a146=arg[2]? arg[2][143] : 0;
   a092=(a139*a146);
-  a133=arg[2]? arg[2][132] : 0;
+  a133=arg[2]? arg[2][133] : 0;
   a122=(a122+a133);
   a122=(a122-a076);
-  a076=arg[2]? arg[2][143] : 0;
+  a076=arg[2]? arg[2][144] : 0;
   a133=(a122*a076);
   a092=(a092-a133);
   a146=(a122*a146);
@@ -10403,9 +10488,9 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a146=(a146+a076);
   a092=atan2(a092,a146);
   a146=(a119-a092);
-  a076=arg[2]? arg[2][139] : 0;
+  a076=arg[2]? arg[2][140] : 0;
   a146=(a146*a076);
-  a133=arg[2]? arg[2][140] : 0;
+  a133=arg[2]? arg[2][141] : 0;
   a059=arg[0]? arg[0][41] : 0;
   a092=(a059-a092);
   a092=(a133*a092);
@@ -10420,7 +10505,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a147=sqrt(a147);
   a148=(a147/a092);
   a149=atan(a148);
-  a150=arg[2]? arg[2][144] : 0;
+  a150=arg[2]? arg[2][145] : 0;
   a149=(a149+a150);
   a148=(a148-a149);
   a148=(a092*a148);
@@ -10428,31 +10513,31 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a146=casadi_sq(a146);
   a047=(a047*a146);
   a044=(a044+a047);
-  a047=arg[2]? arg[2][152] : 0;
+  a047=arg[2]? arg[2][153] : 0;
   a146=(a000*a047);
   a148=casadi_sq(a103);
   a146=(a146*a148);
   a044=(a044+a146);
-  a146=arg[2]? arg[2][154] : 0;
+  a146=arg[2]? arg[2][155] : 0;
   a146=(a000*a146);
   a079=(a079-a074);
   a079=casadi_sq(a079);
   a146=(a146*a079);
   a044=(a044+a146);
-  a146=arg[2]? arg[2][156] : 0;
+  a146=arg[2]? arg[2][157] : 0;
   a146=(a000*a146);
   a121=(a121-a119);
   a121=casadi_sq(a121);
   a146=(a146*a121);
   a044=(a044+a146);
-  a146=arg[2]? arg[2][158] : 0;
+  a146=arg[2]? arg[2][159] : 0;
   a146=(a000*a146);
   a121=arg[0]? arg[0][1] : 0;
   a059=(a059-a121);
   a059=casadi_sq(a059);
   a146=(a146*a059);
   a044=(a044+a146);
-  a146=arg[2]? arg[2][160] : 0;
+  a146=arg[2]? arg[2][161] : 0;
   a146=(a000*a146);
   a059=arg[0]? arg[0][2] : 0;
   a121=(a121-a059);
@@ -10462,10 +10547,10 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   if (res[0]!=0) res[0][1]=a044;
   a044=0.;
   if (res[0]!=0) res[0][2]=a044;
-  a044=arg[2]? arg[2][162] : 0;
+  a044=arg[2]? arg[2][163] : 0;
   a044=(a044*a007);
   a103=(a103*a047);
-  a047=arg[2]? arg[2][153] : 0;
+  a047=arg[2]? arg[2][154] : 0;
   a007=(a047*a012);
   a103=(a103+a007);
   a103=(a103*a001);
@@ -10780,12 +10865,12 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a086=(a086*a029);
   a093=(a093-a086);
   a009=(a009+a093);
-  a093=arg[2]? arg[2][80] : 0;
+  a093=arg[2]? arg[2][81] : 0;
   a036=(a093*a036);
   a093=(a093*a039);
   a036=(a036+a093);
   a009=(a009+a036);
-  a036=arg[2]? arg[2][87] : 0;
+  a036=arg[2]? arg[2][88] : 0;
   a036=(a000*a036);
   a093=(a103*a020);
   a072=(a072*a031);
@@ -10828,7 +10913,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a086=(a086-a029);
   a009=(a009+a086);
   a125=(a040*a125);
-  a086=arg[2]? arg[2][97] : 0;
+  a086=arg[2]? arg[2][98] : 0;
   a029=(a048*a126);
   a039=(a125+a029);
   a039=(a116*a039);
@@ -10863,7 +10948,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a002=(a002*a045);
   a094=(a094-a002);
   a009=(a009+a094);
-  a094=arg[2]? arg[2][108] : 0;
+  a094=arg[2]? arg[2][109] : 0;
   a002=(a046*a136);
   a132=(a132*a138);
   a124=(a042*a132);
@@ -11073,18 +11158,18 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a062=(a062*a061);
   a125=(a125-a062);
   a009=(a009+a125);
-  a125=arg[2]? arg[2][131] : 0;
+  a125=arg[2]? arg[2][132] : 0;
   a060=(a125*a060);
   a125=(a125*a064);
   a060=(a060+a125);
   a009=(a009+a060);
-  a060=arg[2]? arg[2][138] : 0;
+  a060=arg[2]? arg[2][139] : 0;
   a067=(a060*a067);
   a060=(a060*a069);
   a067=(a067+a060);
   a009=(a009+a067);
   a076=(a065*a076);
-  a067=arg[2]? arg[2][148] : 0;
+  a067=arg[2]? arg[2][149] : 0;
   a133=(a070*a133);
   a060=(a076+a133);
   a060=(a071*a060);
@@ -11127,7 +11212,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a076=(a103*a031);
   a012=(2.*a014);
   a076=(a076+a012);
-  a012=arg[2]? arg[2][155] : 0;
+  a012=arg[2]? arg[2][156] : 0;
   a012=(a000*a012);
   a076=(a076*a012);
   a014=(a076*a014);
@@ -11137,7 +11222,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a014=(a103*a065);
   a076=(2.*a040);
   a014=(a014+a076);
-  a076=arg[2]? arg[2][157] : 0;
+  a076=arg[2]? arg[2][158] : 0;
   a076=(a000*a076);
   a014=(a014*a076);
   a040=(a014*a040);
@@ -11147,7 +11232,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a040=(a103*a005);
   a014=(2.*a070);
   a040=(a040+a014);
-  a014=arg[2]? arg[2][159] : 0;
+  a014=arg[2]? arg[2][160] : 0;
   a014=(a000*a014);
   a040=(a040*a014);
   a070=(a040*a070);
@@ -11157,7 +11242,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
   a103=(a103*a006);
   a070=(2.*a005);
   a103=(a103+a070);
-  a070=arg[2]? arg[2][161] : 0;
+  a070=arg[2]? arg[2][162] : 0;
   a000=(a000*a070);
   a103=(a103*a000);
   a005=(a103*a005);
@@ -11169,7 +11254,7 @@ static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw,
 }
 
 CASADI_SYMBOL_EXPORT int energy(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem){
-  return casadi_f4(arg, res, iw, w, mem);
+  return casadi_f5(arg, res, iw, w, mem);
 }
 
 CASADI_SYMBOL_EXPORT int energy_checkout(void) {
@@ -11222,7 +11307,7 @@ CASADI_SYMBOL_EXPORT const casadi_int* energy_sparsity_in(casadi_int i) {
 
 CASADI_SYMBOL_EXPORT const casadi_int* energy_sparsity_out(casadi_int i) {
   switch (i) {
-    case 0: return casadi_s8;
+    case 0: return casadi_s9;
     default: return 0;
   }
 }

@@ -48,16 +48,16 @@ def build_model(scene: Scene) -> Model:
         scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, tuple(draft.instances),
         tuple(draft.levels), tuple(draft.phases), tuple(draft.profiles), tuple(draft.rollings),
         tuple(draft.parameters.values()), dict(scene.effects), draft.statics,
-        tuple(draft.signals.values()), draft.tables,
+        tuple(draft.signals.values()), draft.tables, tuple(draft.clocks),
     )  # fmt: skip
 
 
 def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
     """Add a planetary stage in the frame that turns with its carrier."""
     turns = stage.carrier.support != "fixed" and draft.rigid.ratios[f"{name}.carrier"] != 0.0
+    draft.frames[name] = f"{name}.carrier.speed_ratio" if turns else None
     for part in ("carrier", "ring", "sun"):
         add_member(draft, f"{name}.{part}", getattr(stage, part), name)
-    draft.frames[name] = f"{name}.carrier.speed_ratio" if turns else None
     distance, carrier = gears.stage_distance(stage), f"{name}.carrier"
     angles = train.planet_angles(stage)
     pins = zip(angles, pin_places(draft.scene, stage), strict=True)

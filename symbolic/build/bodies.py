@@ -32,6 +32,8 @@ def add_body(
     leader = draft.leaders.get(name)
     turning = "led" if leader else turning_of(draft.scene, draft.rigid, name, member)
     runs = turning != "held" and draft.rigid.mode != "rest" and draft.rigid.ratios[kin] != 0.0
+    if lateral:
+        draft.turn(f"{frame}.frame", draft.frames[frame])
     mass = train.inertia_of(member)[0] + seated(draft.scene, name)[0]
     inertia = joined_inertia(draft, kin, member)
     draft.bodies.append(
@@ -72,12 +74,12 @@ def _ground_bearing(draft: Draft, name: str, bearing: Bearing, mass: float, plac
     damper = _damper(draft, f"{name}.bearing", bearing, mass, "N*s/m")
     if damper:
         bind["c"] = damper
-    race = _clearance(draft, f"{name}.bearing", bearing)
+    race = _clearance(draft, f"{name}.bearing", f"{name}.bearing", bearing)
     group = "ground_clearance" if race else "ground_bearing"
     draft.place(name, (group, damper is not None), (name,), **bind, **_origin(draft, place), **race)
 
 
-def _clearance(draft: Draft, key: str, bearing: Bearing) -> dict[str, str]:
+def _clearance(draft: Draft, label: str, key: str, bearing: Bearing) -> dict[str, str]:
     """Bind the clearance of a bearing, nothing where it has none."""
     if not draft.on("bearing_clearance") or bearing.clearance is None:
         return {}
@@ -85,6 +87,7 @@ def _clearance(draft: Draft, key: str, bearing: Bearing) -> dict[str, str]:
         "clearance": draft.number(f"{key}.clearance", bearing.clearance, "m"),
         "closing": draft.number("bearing.closing", 0.0, ""),
         "epsilon": draft.number("bearing.rounding", 1e-9, "m"),
+        "hold": draft.hold(label, "m"),
     }
 
 
@@ -135,7 +138,7 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
     mass = draft.parameters[f"{name}.planet.mass"].value
     damper = _damper(draft, f"{name}.pin", stage.pin, mass, "N*s/m")
     label = f"{name}.pin.{number}"
-    bind |= _clearance(draft, f"{name}.pin", stage.pin)
+    bind |= _clearance(draft, label, f"{name}.pin", stage.pin)
     group = "pin_clearance" if "clearance" in bind else "pin"
     draft.place(label, (group, damper is not None), bodies, **bind, **({"c": damper} if damper else {}))
     if draft.on("bearing_friction") and (stage.pin.friction or stage.pin.friction_damping):
@@ -167,4 +170,5 @@ def _weigh(draft: Draft, body: Body, mass: str) -> None:
     centre = mass_centre(draft, body, draft.parameters[mass].value)
     if centre is not body:
         draft.bodies.append(centre)
+    draft.turn(f"{body.frame}.frame", draft.frames[body.frame])
     draft.place(body.name, ("gravity",), (centre.name,), m=mass, beta=BASIS, **bind)

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass, field
 
-from ltcgear.generated.contract import Signal
+from ltcgear.generated.contract import Clock, Signal
 
 from .. import train
 from ..mesh_schema import Mesh
-from ..model import Body, Instance, Level, Parameter, Phase, Profile, Rolling
+from ..model import HOLD, Body, Instance, Level, Parameter, Phase, Profile, Rolling
 from ..schema import Gear, Pair, Planetary, Scene
 from ..series import Pairs
 
@@ -57,17 +57,29 @@ class Draft:
     leaders: dict[str, str] = field(default_factory=dict)
     signals: dict[str, Signal] = field(default_factory=dict)
     tables: dict[str, Pairs] = field(default_factory=dict)
+    clocks: list[Clock] = field(default_factory=list)
 
     def number(self, name: str, value: float, unit: str) -> str:
         """Note a parameter and return its name."""
         self.parameters[name] = Parameter(name, float(value), unit)
         return name
 
+    def hold(self, border: str, unit: str) -> str:
+        """Note what holds the regime on one side of a border."""
+        return self.number(HOLD + border, 0.0, unit)
+
     def signal(self, name: str, unit: str, table: str, pairs: Pairs, slope: bool = False) -> str:
         """Note a load signal with the table it is read from, and return its name."""
         self.signals[name] = Signal(name, unit, table, slope)
         self.tables[table] = pairs
         return name
+
+    def turn(self, name: str, ratio: str | None, frame: str | None = None) -> None:
+        """Note the angle from which something turns for ever, where it does: once for all that turn alike."""
+        known = {(clock.ratio, clock.frame) for clock in self.clocks if not clock.mesh}
+        if ratio != frame and (ratio or "", frame or "") not in known:
+            start = self.number(f"{name}.start_angle", 0.0, "rad")
+            self.clocks.append(Clock(start, "", ratio or "", frame or ""))
 
     def place(self, name: str, element: tuple[str | bool, ...], bodies: tuple[str, ...], **bind: str) -> None:
         """Note an element instance."""

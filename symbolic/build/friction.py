@@ -35,7 +35,8 @@ def add_friction(draft: Draft, at: MeshPlace, bodies: tuple[str, ...], law: str,
         _, kind, _, switched, _, contact, error, _ = flank.element
         shared = {key: value for key, value in flank.bind.items() if key not in NOT_OF_FRICTION}
         form = ("mesh_sliding" if sliding else "mesh_friction", kind, law, switched, contact, error)
-        draft.place(flank.name, form, bodies, **shared | bind)
+        hold = {"hold": draft.hold(f"{flank.name}.friction", "N")}
+        draft.place(flank.name, form, bodies, **shared | bind | hold)
 
 
 def _contacts(draft: Draft, at: MeshPlace) -> dict[str, str]:

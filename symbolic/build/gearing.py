@@ -1,8 +1,9 @@
 """Meshes of a model: law, stiffness, errors, damper, contact, friction, phase."""
 
+from collections.abc import Iterable
 from math import cos, pi, sin, sqrt
 
-from ltcgear.generated.contract import BACK
+from ltcgear.generated.contract import BACK, Clock
 
 from .. import gears, train
 from ..model import PHASE, TURN, VARYING, Body, Level, Phase, Rolling
@@ -102,6 +103,8 @@ def _eccentric(draft: Draft, member: str, item: Eccentricity) -> str:
             draft.number(f"{name}.y_0", item.radius * sin(item.angle), "m"),
         )
         leader = gear.leader or gear.name
+        kin = gear.ratio.removesuffix(".speed_ratio") if gear.ratio else member
+        draft.turn(kin, gear.ratio, draft.frames[gear.frame])
         draft.bodies.append(
             Body(name, False, "point", None, None, gear.ratio, place, gear.frame, leader, gear.name)
         )  # fmt: skip
@@ -118,11 +121,13 @@ def _contact(
         draft.place(at.label, ("mesh", *form, "bilateral", *extra), bodies, **bind)
         return
     pull = draft.number("contact.pull", 0.0, "")
-    draft.place(at.label, ("mesh", *form, "one-flank", *extra), bodies, pull=pull, **bind)
+    hold = draft.hold(at.label, "N")
+    draft.place(at.label, ("mesh", *form, "one-flank", *extra), bodies, pull=pull, hold=hold, **bind)
     if contact == "backlash":
         back = {
             "s": draft.number(f"{at.name}.other_flank", -draft.parameters[f"{at.name}.flank"].value, ""),
             "gap": draft.number(f"{at.name}.backlash", gears.backlash(at.stage, at.mesh, *at.wheels), "m"),
+            "hold": draft.hold(at.label + BACK, "N"),
         }
         draft.place(at.label + BACK, ("mesh", *form, "gap", *extra), bodies, **bind | back)
 
@@ -158,15 +163,26 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
         before = at.mesh.phase - teeth * (at.ahead + turn) / (2 * pi)
         rolled = draft.number(f"{at.label}.rolled_phase", before, "")
     draft.rollings.append(Rolling(at.label, per_turn, at.members[0], rolled))
+    runs = draft.rigid.mode != "rest" and relative != 0.0
+    if runs:
+        _clocks(draft, at, per_turn, dict.fromkeys((start, rolled)))
     followed = any(profile.mesh == at.label for profile in draft.profiles)
     if followed:
         draft.number(VARYING, 1.0, "")
     followed |= any(i.name.removesuffix(BACK) == at.label and PHASE in i.bind.values() for i in draft.instances)
     if not (at.switched or followed):
         return
-    runs = draft.rigid.mode != "rest" and relative != 0.0
     rate = draft.number(f"{at.name}.cycles", teeth * relative / (2 * pi), "1/rad") if runs else None
     if at.switched:
         draft.levels.append(Level(at.label, rate, start, f"{at.name}.single_share"))
     if followed:
         draft.phases.append(Phase(at.label, rate, start, rolled))
+
+
+def _clocks(draft: Draft, at: MeshPlace, teeth: str, starts: Iterable[str]) -> None:
+    """Note the clocks of a mesh: it has the period of a pitch, and that of a gear with single teeth out of place."""
+    gear = next(body for body in draft.bodies if body.name == at.members[0])
+    frame = draft.frames[gear.frame]
+    single = (profile for profile in draft.profiles if (profile.mesh, profile.kind) == (at.label, "tooth"))
+    periods = tuple(dict.fromkeys(profile.numbers[2] for profile in single))
+    draft.clocks += [Clock(start, teeth, gear.ratio or "", frame or "", periods, at.label) for start in starts]

@@ -18,6 +18,7 @@ from ltcgear.generated.contract import BACK
 
 from ..elements import Element, make
 from ..elements.base import Port, positive, real
+from ..elements.contact import Rest, Switch
 from ..elements.mesh import D0, ERROR_RATE, EX, EY, S
 from ..lagrange import forces
 from ..lower import lower
@@ -65,7 +66,7 @@ def nominal_identity(label: str, element: Element) -> Check:
     Both wrenches are divided by the normal force N; what is left is put at d = d_0 in any direction, with
     both gears turned with the line of centres (w = 0), and shown to vanish.
     """
-    one, two = element.ports
+    element, (one, two) = _pushing(element), element.ports
     still = dict.fromkeys(element.velocities, sp.S.Zero)
     normal = element.outputs["force"].expression.xreplace(still)
     direction = (real("n_x"), real("n_y"))
@@ -100,10 +101,23 @@ def first_order(label: str, element: Element, instance: Instance, model: Model) 
 
 
 def damper_identity(label: str, element: Element) -> Check:
-    """Prove that the part of the wrench that comes with motion is the gradient of the dissipation."""
+    """Prove that the part of the wrench that comes with motion, while teeth push, is the dissipation's gradient."""
+    element = _pushing(element)
     still = dict.fromkeys((*element.velocities, ERROR_RATE), sp.S.Zero)
     moving = tuple(component - component.xreplace(still) for component in element.wrench)
     return element_identity(f"{label}, its damper", replace(element, potential=sp.S.Zero, wrench=moving))
+
+
+def _pushing(element: Element) -> Element:
+    """Return what an element is where its teeth push."""
+
+    def on(expression: sp.Expr) -> sp.Expr:
+        switched = sp.sympify(expression).replace(Switch, lambda g, hold: sp.S.One)
+        return switched.replace(Rest, lambda g, hold, z: sp.S.Zero)
+
+    outputs = {name: replace(output, expression=on(output.expression)) for name, output in element.outputs.items()}
+    potential, dissipation, wrench = on(element.potential), on(element.dissipation), tuple(map(on, element.wrench))
+    return replace(element, potential=potential, dissipation=dissipation, wrench=wrench, outputs=outputs)
 
 
 def bound_values(instance: Instance, model: Model) -> dict[str, float]:

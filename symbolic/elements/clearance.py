@@ -15,7 +15,7 @@ import sympy as sp
 
 from .base import Element, Output, Port, positive, real
 from .bearing import CARRIER, PLANET, X0, Y0, C, K, pin_deflection, pin_place, pin_speed, rubbing_pin
-from .contact import HalfSquare, Ramp, Step
+from .contact import HOLD, Switch
 
 CLEARANCE, CLOSING, ROUNDING = positive("clearance"), real("closing"), positive("epsilon")
 
@@ -38,19 +38,29 @@ class Race:
         return self.radius - CLEARANCE * (1 - CLOSING)
 
     @property
+    def touching(self) -> sp.Expr:
+        """Return whether the race is reached."""
+        return Switch(self.reach, HOLD)
+
+    @property
     def secant(self) -> sp.Expr:
         """Return the force over the displacement [N/m]."""
-        return K * Ramp(self.reach) / self.radius
+        return K * self.reach * self.touching / self.radius
+
+    @property
+    def potential(self) -> sp.Expr:
+        """Return the strain energy [J]."""
+        return K * self.reach**2 / 2 * self.touching
 
     def damping(self, damped: bool) -> sp.Expr:
         """Return the damper that acts [N s/m]."""
-        return C * Step(self.reach) if damped else sp.S.Zero
+        return C * self.touching if damped else sp.S.Zero
 
 
 def parameters(damped: bool) -> dict[sp.Symbol, str]:
     """Return the parameters of a bearing with clearance."""
     own = {K: "N/m"} | ({C: "N*s/m"} if damped else {})
-    return own | {X0: "m", Y0: "m", CLEARANCE: "m", CLOSING: "", ROUNDING: "m"}
+    return own | {X0: "m", Y0: "m", CLEARANCE: "m", CLOSING: "", ROUNDING: "m", HOLD: "m"}
 
 
 def ground_clearance(damped: bool) -> Element:
@@ -63,10 +73,10 @@ def ground_clearance(damped: bool) -> Element:
         name="ground_clearance" + "_damped" * damped,
         ports=(body,),
         parameters=parameters(damped),
-        potential=K * HalfSquare(race.reach),
+        potential=race.potential,
         dissipation=c * (body.vx**2 + body.vy**2) / 2,
         wrench=(fx, fy, sp.S.Zero),
-        outputs={"force_x": Output(fx, "N"), "force_y": Output(fy, "N")},
+        outputs={"force_x": Output(fx, "N"), "force_y": Output(fy, "N"), "border": Output(race.reach, "m")},
         rates="absolute",
         source="radial clearance with a linear race: Kahraman and Singh 1991, J. Sound Vib. 144:469",
     )
@@ -85,10 +95,10 @@ def pin_clearance(damped: bool) -> Element:
         name="pin_clearance" + "_damped" * damped,
         ports=(CARRIER, PLANET),
         parameters=parameters(damped),
-        potential=K * HalfSquare(race.reach),
+        potential=race.potential,
         dissipation=c * (vx**2 + vy**2) / 2,
         wrench=(fx, fy, torque, -fx, -fy, sp.S.Zero),
-        outputs={"force_x": Output(-fx, "N"), "force_y": Output(-fy, "N")},
+        outputs={"force_x": Output(-fx, "N"), "force_y": Output(-fy, "N"), "border": Output(race.reach, "m")},
         source="Wu et al. 2021 eqs 29-30 with radial clearance",
     )
 

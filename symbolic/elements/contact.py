@@ -1,50 +1,44 @@
-"""Functions of one-sided contact, each of its own so that derivatives stay what they are between kinks."""
+r"""Regimes: laws that are smooth on either side of a border, and which side holds.
+
+A border is where an indicator g passes through zero: teeth that come to push or cease to, a race that is
+reached. ``Switch`` is 1 where g > 0 and 0 elsewhere, and so by the state alone; but while an integrator
+goes from border to border, ``hold`` (a force or length beyond all others, 0 by default) keeps the side
+on which it began, so that what it integrates has no kink and the border can be located as a zero of g.
+"""
 
 import sympy as sp
 
+from .base import real
+
+HOLD = real("hold")
+
 
 class Step(sp.Function):  # type: ignore[misc]  # SymPy is untyped
-    """1 where z > 0, else 0."""
+    """1 where z > 0, else 0, whatever is held."""
 
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
+    def _eval_derivative(self, symbol: sp.Symbol) -> sp.Expr:
         """Return 0, the slope on either side."""
         return sp.S.Zero
 
 
-class Ramp(sp.Function):  # type: ignore[misc]
-    """The positive part of z."""
+class Switch(sp.Function):  # type: ignore[misc]
+    """1 where g + hold > 0, else 0: its arguments are the indicator g and what holds a side."""
 
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """Return the step."""
-        return Step(self.args[0])
-
-
-class HalfSquare(sp.Function):  # type: ignore[misc]
-    """Half the square of the positive part, the potential of ``Ramp``."""
-
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """Return the positive part."""
-        return Ramp(self.args[0])
+    def _eval_derivative(self, symbol: sp.Symbol) -> sp.Expr:
+        """Return 0, the slope on either side."""
+        return sp.S.Zero
 
 
-class NotBelow(sp.Function):  # type: ignore[misc]
-    """The larger of z and a floor below zero: a damper's force that must not pull more than the spring pushes."""
+class Rest(sp.Function):  # type: ignore[misc]
+    """1 where z > 0 although the switch of the first two arguments is 0: touching without a push."""
 
-    @classmethod
-    def eval(cls, z: sp.Expr, floor: sp.Expr) -> sp.Expr | None:
-        """Return 0 for z = 0, since the floor lies below."""
-        return sp.S.Zero if z.is_zero else None
+    def _eval_derivative(self, symbol: sp.Symbol) -> sp.Expr:
+        """Return 0, the slope on either side."""
+        return sp.S.Zero
 
 
-class NotBelowLoss(sp.Function):  # type: ignore[misc]
-    """Pseudo-potential, in the rate v, of the force u = ``NotBelow(c v, floor)``: u v - u^2 / 2 c."""
-
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """Return the force; only the derivative by the rate, the first argument, is known."""
-        if argindex != 1:
-            raise sp.function.ArgumentIndexError(self, argindex)
-        rate, damping, floor = self.args
-        return NotBelow(damping * rate, floor)
+class Lesser(sp.Function):  # type: ignore[misc]
+    """The smaller of two; an indicator only, never differentiated."""
 
 
 class Given(sp.Function):  # type: ignore[misc]

@@ -16,7 +16,9 @@ and in both the force on body 2 is :math:`N(\sigma\sin\alpha\,\mathbf e + s\cos\
 the torques are :math:`-s r_1 N` and :math:`-\sigma s r_2 N` (eqs 12, 13, 25, 26).
 
 A bilateral mesh (the paper's) may pull; a one-flank mesh has :math:`N = k\langle\delta\rangle` and a damper
-that acts in contact only and never makes N negative (``pull``, 0 in every run, lets it pull while the
+that acts in contact only and never makes N negative: teeth push where both :math:`k\delta` and
+:math:`k\delta + c\dot\delta` are positive, and where the damper would pull harder than the spring pushes, it
+takes up just what the spring gives (``pull``, 0 in every run, lets it pull while the
 loaded equilibrium is sought). Errors of the teeth take their :math:`e` from the deflection and
 :math:`\dot e` from its rate. Backlash is two one-flank meshes, on s and -s, whose
 gap :math:`j` (along the line of action) is taken from the deflection of the second.
@@ -27,7 +29,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from .base import Element, Output, Port, positive, real
-from .contact import Given, HalfSquare, NotBelow, NotBelowLoss, Ramp, Step
+from .contact import HOLD, Given, Lesser, Rest, Step, Switch
 
 SIGN = {"external": 1, "internal": -1}
 
@@ -76,7 +78,7 @@ S, EX, EY, TURN, INV0, LEVEL, GAP, PULL, ERROR, ERROR_RATE, SLOPE, TEETH = (
 UNITS = {
     R1: "m", R2: "m", D0: "m", K: "N/m", K1: "N/m", K2: "N/m", C: "N*s/m",
     S: "", EX: "", EY: "", TURN: "rad", INV0: "rad", GAP: "m", ERROR: "m", ERROR_RATE: "m/s",
-    SLOPE: "N/m", TEETH: "", PULL: "", LEVEL: "",
+    SLOPE: "N/m", TEETH: "", PULL: "", LEVEL: "", HOLD: "N",
 }  # fmt: skip
 
 
@@ -197,22 +199,26 @@ def mesh(
     if error:
         delta, rate = delta - ERROR, rate - ERROR_RATE
     k = Given(TEETH * written.rolling / (2 * sp.pi), K, SLOPE) if followed else stiffness(switched)
-    force, stored, loss = normal_force(delta, rate, k, damped, contact)
-    turn = stored * SLOPE * TEETH / (2 * sp.pi) if followed else sp.S.Zero
-    wrench = tuple(force * one + turn * two for one, two in zip(written.pressed, written.rolled, strict=True))
+    acting = normal_force(delta, rate, k, damped, contact)
+    turn = acting.stored * SLOPE * TEETH / (2 * sp.pi) if followed else sp.S.Zero
+    wrench = tuple(acting.force * one + turn * two for one, two in zip(written.pressed, written.rolled, strict=True))
     suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
     suffix += "_error" * error + "_followed" * followed
     return Element(
         name=f"mesh_{kind}_{law}" + "_switched" * switched + "_damped" * damped + suffix,
         ports=written.ports,
         parameters=used(*wrench),
-        potential=k * stored,
-        dissipation=loss,
+        potential=k * acting.stored,
+        dissipation=acting.loss,
         wrench=wrench,
-        outputs={"force": Output(force, "N"), "deflection": Output(delta, "m")}
+        outputs={
+            "force": Output(acting.force, "N"),
+            "damper": Output(acting.damper, "N"),
+            "deflection": Output(delta, "m"),
+        }
         | written.outputs
         | {"rolling": Output(written.rolling, "rad")}
-        | ({} if contact == "bilateral" else {"contact": Output(Step(delta), "")}),
+        | ({} if acting.border is None else {"contact": Output(Step(delta), ""), "border": Output(acting.border, "N")}),
         source="Wu et al. 2021 eqs 2-13 and 16-26; damper along the line of action: assumed form; torque of a "
         "stiffness that follows the gear: Oh, Grosh and Barber 2005, J. Vib. Acoust. 127:208",
         gradient=law != "paper",
@@ -220,16 +226,33 @@ def mesh(
     )
 
 
-def normal_force(
-    delta: sp.Expr, rate: sp.Expr, k: sp.Expr, damped: bool, contact: str
-) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """Return the normal force [N], its potential over the stiffness [m^2] and its dissipation function [W]."""
+@dataclass(frozen=True)
+class NormalForce:
+    """A normal force [N], the damper's part of it, its potential over the stiffness [m^2], its dissipation [W].
+
+    ``border`` is the indicator [N] that is positive where the teeth push; a bilateral mesh has none.
+    """
+
+    force: sp.Expr
+    damper: sp.Expr
+    stored: sp.Expr
+    loss: sp.Expr
+    border: sp.Expr | None = None
+
+
+def normal_force(delta: sp.Expr, rate: sp.Expr, k: sp.Expr, damped: bool, contact: str) -> NormalForce:
+    """Write the normal force of a deflection [m] and its rate."""
+    damping = C if damped else sp.S.Zero
     if contact == "bilateral":
-        damping = C if damped else sp.S.Zero
-        return k * delta + damping * rate, delta**2 / 2, damping * rate**2 / 2
-    pull = sp.S.Zero if contact == "gap" else PULL
-    force, loss = k * (Ramp(delta) - pull * Ramp(-delta)), sp.S.Zero
-    if damped:
-        force += Step(delta) * NotBelow(C * rate, -k * delta)
-        loss = Step(delta) * NotBelowLoss(rate, C, -k * delta)
-    return force, HalfSquare(delta) + pull * HalfSquare(-delta), loss
+        return NormalForce(k * delta + damping * rate, damping * rate, delta**2 / 2, damping * rate**2 / 2)
+    border = Lesser(k * delta, k * delta + damping * rate) if damped else k * delta
+    pushing = Switch(border, HOLD)
+    resting = Rest(border, HOLD, delta) if damped else sp.S.Zero
+    pull = (1 - pushing - resting) * (sp.S.Zero if contact == "gap" else PULL)
+    return NormalForce(
+        force=pushing * (k * delta + damping * rate) + pull * k * delta,
+        damper=pushing * damping * rate - resting * k * delta,
+        stored=(pushing + resting + pull) * delta**2 / 2,
+        loss=pushing * damping * rate**2 / 2 - resting * k * delta * rate,
+        border=border,
+    )

@@ -15,7 +15,7 @@ nothing where teeth have parted.
 import sympy as sp
 
 from .base import Element, LogCosh, Output, positive
-from .contact import Ramp, Step
+from .contact import HOLD, Switch
 from .mesh import ERROR, GAP, ONE, R1, R2, TWO, UNITS, S, deflection, geometry, stiffness
 
 MU, CT, V0 = (positive(n) for n in ("mu", "c_t", "v_0"))
@@ -29,18 +29,23 @@ def sliding_speed(kind: str) -> sp.Expr:
     return mx * (TWO.vx - ONE.vx) + my * (TWO.vy - ONE.vy) + turning
 
 
-def pressed(kind: str, law: str, switched: bool, contact: str, error: bool) -> tuple[sp.Expr, sp.Expr]:
-    """Return |N| [N], the spring's part, and whether flanks touch; a mesh on one flank presses only then."""
+def pressed(kind: str, law: str, switched: bool, contact: str, error: bool) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
+    """Return |N| [N], the spring's part, whether flanks touch, and the border between [N].
+
+    A bilateral mesh presses on either side of the border, one on one flank on its positive side only.
+    """
     delta = deflection(kind, law) - (ERROR if error else 0) - (GAP if contact == "gap" else 0)
+    normal = stiffness(switched) * delta
+    touching = Switch(normal, HOLD)
     if contact == "bilateral":
-        return stiffness(switched) * sp.Abs(delta), sp.S.One
-    return stiffness(switched) * Ramp(delta), Step(delta)
+        return normal * (2 * touching - 1), sp.S.One, normal
+    return normal * touching, touching, normal
 
 
 def mesh_friction(kind: str, law: str, switched: bool, contact: str = "bilateral", error: bool = False) -> Element:
     """Write the pitch-point friction of one mesh type (arguments as in ``mesh``)."""
     g = geometry(kind)
-    normal, touching = pressed(kind, law, switched, contact, error)
+    normal, touching, border = pressed(kind, law, switched, contact, error)
     speed = sliding_speed(kind)
     force = -(MU * normal * sp.tanh(speed / V0) + touching * CT * speed)
     mx, my = g.along
@@ -58,6 +63,6 @@ def mesh_friction(kind: str, law: str, switched: bool, contact: str = "bilateral
         parameters={symbol: unit for symbol, unit in units.items() if symbol in free},
         dissipation=MU * normal * V0 * LogCosh(speed / V0) + touching * CT * speed**2 / 2,
         wrench=wrench,
-        outputs={"friction": Output(force, "N")},
+        outputs={"friction": Output(force, "N"), "border": Output(border, "N")},
         source="Wu et al. 2021 eqs 14, 27, 32, 34, sign made dissipative",
     )

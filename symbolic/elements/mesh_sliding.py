@@ -26,7 +26,7 @@ from .tooth_pairs import tooth_pairs
 def mesh_sliding(kind: str, law: str, switched: bool, contact: str = "bilateral", error: bool = False) -> Element:
     """Write the sliding friction of one mesh type (arguments as in ``mesh``)."""
     g = geometry(kind)
-    (normal, _), tangent = pressed(kind, law, switched, contact, error), g.h / g.c
+    (normal, _, border), tangent = pressed(kind, law, switched, contact, error), g.h / g.c
     force = torque_1 = torque_2 = loss = sp.S.Zero
     for place, part in tooth_pairs():
         speed = sliding_speed(kind) - S * place * (TWO.omega - ONE.omega)
@@ -46,7 +46,7 @@ def mesh_sliding(kind: str, law: str, switched: bool, contact: str = "bilateral"
         parameters={symbol: unit for symbol, unit in units.items() if symbol in free},
         dissipation=loss,
         wrench=wrench,
-        outputs={"friction": Output(force, "N")},
+        outputs={"friction": Output(force, "N"), "border": Output(border, "N")},
         rates="absolute",
         source="Coulomb's law at the contacts of involute teeth; load sharing: ISO/TR 15144-1 (assumed)",
     )

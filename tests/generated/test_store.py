@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from ltcgear.generated import store
-from ltcgear.generated.contract import FORMAT, Artifact, Manifest, Report, Signal, Signature, State
+from ltcgear.generated.contract import FORMAT, Artifact, Clock, Manifest, Report, Signal, Signature, State
 from ltcgear.generated.errors import CompileError, LtcgearError
 
 C = "double answer(void) { return 42.0; }\n"
@@ -63,6 +63,7 @@ def artifact():
         (("a.inertia", "kg*m^2"),),
         (Report("speed", "a", "rad/s", "rotor"),), {"rhs": signature}, "3.8.2",
         (Signal("reference.acceleration", "rad/s^2", "loads.m.speed_over_time", True),),
+        (Clock("m.1.phase", "m.teeth_1", "a.speed_ratio", "", ("m.tooth_error_0.teeth",), "m.1"),),
     )  # fmt: skip
     return Artifact(C, manifest, GRAPHS)
 

@@ -29,12 +29,12 @@ PAIR = (ON, "stages.psh.input.bearing.clearance = '50 um'", "stages.psh.output.b
 def disc(gravity=G, damping=0.0):
     """One disc that only shifts, in a race of clearance ``GAP``, with its weight along -y."""
     numbers = {
-        "disc.mass": (M, "kg"), "k": (K, "N/m"), "origin": (0.0, "m"), "clearance": (GAP, "m"),
+        "disc.mass": (M, "kg"), "k": (K, "N/m"), "origin": (0.0, "m"), "clearance": (GAP, "m"), "hold.disc": (0.0, "m"),
         "bearing.closing": (0.0, ""), "bearing.rounding": (1e-9, "m"), "gravity.x": (0.0, "m/s^2"),
         "gravity.y": (-gravity, "m/s^2"),
     } | ({"c": (damping, "N*s/m")} if damping else {})  # fmt: skip
     race = {"k": "k", "x_0": "origin", "y_0": "origin", "clearance": "clearance", "closing": "bearing.closing",
-            "epsilon": "bearing.rounding"} | ({"c": "c"} if damping else {})  # fmt: skip
+            "epsilon": "bearing.rounding", "hold": "hold.disc"} | ({"c": "c"} if damping else {})  # fmt: skip
     weight = {"m": "disc.mass", "g_x": "gravity.x", "g_y": "gravity.y", "beta": BASIS}
     parts = [("ground_clearance", bool(damping)), ("gravity",)]
     model = Model(

@@ -1,0 +1,134 @@
+"""Clocks: mesh phases and angles from which whole turns of the reference are taken off, and nothing is lost.
+
+A speed ratio of gears is a ratio of whole numbers, so how far a mesh phase comes in N turns of the
+reference is known exactly, and so is what is left of it after whole periods.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from math import lcm, pi
+
+import casadi as ca
+import numpy as np
+from ltcgear.generated.contract import Clock, Manifest
+from numpy.typing import NDArray
+
+from .kernel import Kernel
+
+Vector = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+TURN = 2 * pi
+LARGEST, NEAR = 10**6, 1e-14
+"""Denominators that speed ratios of teeth may have, and how close [relative] a number then comes to one."""
+
+
+@dataclass(frozen=True)
+class _Course:
+    """A clock in numbers: index of its start, advance a turn of the reference, period, its unit [cycles] or [rad]."""
+
+    index: int
+    advance: Fraction
+    period: int
+    unit: float
+    mesh: str
+
+    def after(self, turns: int) -> tuple[int, float]:
+        """Return the whole periods [cycles] that go by in some turns of the reference, and the rest [unit]."""
+        below = self.advance.denominator
+        rest = self.advance.numerator * turns % (below * self.period)
+        return (self.advance.numerator * turns - rest) // below, self.unit * (rest / below)
+
+
+class Clocks:
+    """What becomes of a model's clocks when whole turns are taken off the reference angle.
+
+    Parameters
+    ----------
+    manifest
+        Tells the clocks.
+    p
+        Parameters at reference angle 0, shape (n_p,).
+    """
+
+    def __init__(self, manifest: Manifest, p: Vector) -> None:
+        self.first = np.array(p, dtype=np.float64)
+        units = dict(manifest.parameters)
+        number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
+        index = {name: i for i, name in enumerate(units)}
+        self.courses = [
+            _Course(
+                index[clock.start], _advance(clock, number), lcm(*(round(number[name]) for name in clock.periods)),
+                TURN if units[clock.start] == "rad" else 1.0, clock.mesh,
+            )
+            for clock in manifest.clocks
+        ]  # fmt: skip
+        self.by_mesh = {course.mesh: course for course in self.courses if course.mesh}
+        names = [state.name for state in manifest.states]
+        self.angle = names.index("reference.angle") if "reference.angle" in names else None
+
+    def turns_in(self, phi: float) -> int:
+        """Return the whole turns in a reference angle [rad], towards zero; one that lacks a rounding is whole."""
+        return int(phi / TURN * (1 + 4 * np.finfo(float).eps))
+
+    def parameters(self, turns: int) -> Vector:
+        """Return the parameters for reference angles from which some turns have been taken off."""
+        p = self.first.copy()
+        for course in self.courses:
+            p[course.index] += course.after(turns)[1]
+        return p
+
+    def cycles(self, meshes: Sequence[str], turns: int) -> Whole:
+        """Return the whole cycles that some turns have taken off the phases of meshes; 0 for one that stands."""
+        found = (self.by_mesh.get(mesh) for mesh in meshes)
+        return np.array([course.after(turns)[0] if course else 0 for course in found], dtype=np.int64)
+
+    def outputs(self, function: ca.Function, x: Vector, s: Vector, phi: Vector, turns: Whole) -> Vector:
+        """Evaluate the outputs at many times.
+
+        Parameters
+        ----------
+        function
+            The model's ``outputs``.
+        x, s
+            States, levels and signals, shapes (m, n) and (m, n_s).
+        phi, turns
+            Reference angles [rad] less whole turns, and these, shapes (m,).
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (m, n_y). Mesh phases lack the cycles that the turns took off, see `unwound`.
+        """
+        kernel, out = Kernel(function), np.empty((len(x), function.nnz_out(0)))
+        for k, turned in enumerate(turns):
+            if k == 0 or turned != turns[k - 1]:
+                kernel.arguments[2][:] = self.parameters(int(turned))
+            kernel.arguments[0][:], kernel.arguments[1][:] = x[k], s[k]
+            if self.angle is not None:
+                kernel.arguments[0][self.angle] = phi[k]
+            kernel.evaluate()
+            out[k] = kernel.results[0]
+        return out
+
+    def unwound(self, mesh: str, turns: Whole) -> Vector:
+        """Return what a mesh's phase [cycles] lacks after some turns, shape (m,)."""
+        different, place = np.unique(turns, return_inverse=True)
+        lacking = np.array([self.cycles([mesh], int(each))[0] for each in different], dtype=np.float64)
+        return np.asarray(lacking[place])
+
+
+def _advance(clock: Clock, number: dict[str, float]) -> Fraction:
+    """Return the cycles or turns by which a clock advances in a turn of the reference."""
+    teeth, ratio, frame = (
+        rational(number[name]) if name else Fraction(other)
+        for name, other in ((clock.teeth, 1), (clock.ratio, 0), (clock.frame, 0))
+    )
+    return teeth * (ratio - frame)
+
+
+def rational(value: float) -> Fraction:
+    """Return the ratio of whole numbers that a number stands for; the number itself where there is none so close."""
+    near = Fraction(value).limit_denominator(LARGEST)
+    return near if abs(near - Fraction(value)) <= NEAR * abs(value) else Fraction(value)
