@@ -10,6 +10,7 @@ from .series import Pairs, Series
 
 MOST_HARMONICS = 200
 TRANSITION = 0.1  # [pitches]
+SHORTEST = 1e-6  # [pitches] that single or double contact lasts, where there is any
 
 
 class Friction(Table):
@@ -83,7 +84,7 @@ class Mesh(Table):
     face_width: Length | None = None
     stiffness_table: Annotated[Pairs, Series("", "N/m")] | None = None
     double_factor: Annotated[float, Field(ge=1, le=3)] | None = None
-    contact_ratio: Annotated[float, Field(gt=1.000001, lt=1.999999)] | None = None
+    contact_ratio: Annotated[float, Field(ge=1, le=2)] | None = None
     phase: Annotated[float, Field(ge=-1, le=1)] = 0.0
     damping: Damping | None = None
     damping_ratio: Ratio | None = None
@@ -103,6 +104,9 @@ class Mesh(Table):
             yield "give either stiffness, or torsional_stiffness with its reference gear, or face_width"
         elif (self.torsional_stiffness is None) != (self.reference is None):
             yield "torsional_stiffness and reference belong together"
+        whole = round(self.contact_ratio or 0.0)
+        if self.contact_ratio is not None and 0 < abs(self.contact_ratio - whole) <= SHORTEST:
+            yield f".contact_ratio: is within {SHORTEST:.0e} of {whole}, so that hardly anything switches; give {whole}"
         yield from _periodic(".stiffness_table", self.stiffness_table)
         if self.stiffness_table is not None and min(value for _, value in self.stiffness_table) <= 0:
             yield ".stiffness_table: every stiffness must be greater than zero"

@@ -22,7 +22,8 @@ def levels(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int
     A torsional stiffness K on a reference gear gives k = K / r_b^2. From a face width both follow by the
     potential-energy method for spur gears, each the mean over its part of a pitch. ``double_factor``
     (the paper's xi) comes before a computed second level; without either the stiffness is constant and
-    the second value None. A mesh that has nothing but a table has its mean.
+    the second value None, as it is where the contact ratio is given as 1 or 2. A mesh that has nothing but a
+    table has its mean.
     """
     if mesh.stiffness_table is not None and not (mesh.stiffness or mesh.torsional_stiffness or mesh.face_width):
         return table_series(mesh.stiffness_table, 0)[0], None
@@ -34,7 +35,10 @@ def levels(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int
     single = mesh.stiffness or 0.0
     if mesh.torsional_stiffness is not None and mesh.reference is not None:
         single = mesh.torsional_stiffness / gears.base_radius(stage, getattr(stage, mesh.reference)) ** 2
-    return single, None if mesh.double_factor is None else single * mesh.double_factor
+    if mesh.double_factor is None or mesh.contact_ratio == 1.0:
+        return single, None
+    double = single * mesh.double_factor
+    return (double, None) if mesh.contact_ratio == 2.0 else (single, double)
 
 
 def is_computed(mesh: Mesh) -> bool:

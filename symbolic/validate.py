@@ -314,6 +314,8 @@ def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two
         yield f"{key}: double_factor and tooth_errors need the teeth of both gears"
         return
     if mesh.contact_ratio is not None:
+        if mesh.tooth_errors and mesh.contact_ratio in (1.0, 2.0):
+            yield f"{key}.contact_ratio: tooth_errors are handed over in double contact; give one between 1 and 2"
         return
     if stage.module is None:
         yield f"{key}.contact_ratio: is missing; without module and pressure_angle it cannot be computed"
@@ -340,7 +342,9 @@ def _sliding(name: str, stage: Planetary | Pair, friction: str) -> Iterator[str]
         at, ends = gears.mesh_geometry(stage, one, two, sigma), gears.path_of_contact(stage, one, two, sigma)
         half, middle = ratio * pi * at.r1 / one.teeth, sum(ends) / 2
         on_one, on_two = sigma * middle + at.r1 * tan(at.alpha), at.r2 * tan(at.alpha) - middle
-        if not 1 < ratio < 2:
+        if mesh.contact_ratio in (1.0, 2.0):
+            yield f"{key}.contact_ratio: sliding friction goes from one pair of teeth to two; give one between 1 and 2"
+        elif not 1 < ratio < 2:
             yield f"{key}.contact_ratio: full-depth teeth would have {ratio:.3f}, outside 1 to 2; give contact_ratio"
         elif min(on_one, on_two) < half:
             yield f"{key}.contact_ratio: {ratio:.3f} leads the teeth's contact past a base circle; give a smaller one"

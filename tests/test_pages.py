@@ -104,6 +104,31 @@ def test_closed_forms_are_sums_over_the_path(benchmarks, a, b):
             assert form(u, z1, a, b) == pytest.approx(wanted, rel=1e-5)
 
 
+# --- hard cases
+
+
+def test_hard_cases(benchmarks):
+    hard = benchmarks("hard_cases")
+    text = hard.PAGE.read_text("utf-8").split(hard.BEGIN)[1].split(hard.END)[0]
+    cases, numbers = ([cells(line) for line in part.splitlines()] for part in text.split("\n\n")[1:3])
+    assert cases[0] == ["case", "what is hard", "what passes", *hard.METHODS]
+    assert [row[:3] for row in cases[2:]] == [[case.name, case.title, case.passes] for case in hard.CASES]
+    assert {verdict for row in cases[2:] for verdict in row[3:]} <= {"ok", "slow", "refused"}
+    assert numbers[0] == ["case", "finding", *hard.METHODS, "limit"]
+    for i, method in enumerate(hard.METHODS):
+        for row in cases[2:]:
+            own = [line for line in numbers[2:] if line[0] == row[0] and line[1] != "seconds"]
+            found = [(float(line[2 + i]), float(line[-1])) for line in own if line[2 + i] != "-"]
+            assert found or row[3 + i] == "refused", (row[0], method)
+            # Both are printed to two digits.
+            assert all(value <= 1.01 * limit for value, limit in found), (row[0], method)
+    assert hard.FIGURE.exists()
+
+
+def cells(line):
+    return [cell.strip() for cell in line.strip("| ").split(" | ")]
+
+
 # --- long runs
 
 

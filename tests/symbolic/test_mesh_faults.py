@@ -99,3 +99,24 @@ def test_a_train_driven_from_rest_needs_its_speed():
         make_scene(raw)
     raw["loads"]["input"]["initial_speed"] = "0 rpm"
     assert make_scene(raw).loads
+
+
+ERROR = f"{MESH}.tooth_errors = [{{gear = 'sun', tooth = 1, error = '1 um'}}]"
+SLIDING = ("effects.mesh_friction = 'sliding'", f"{MESH}.friction.coefficient = 0.1")
+
+
+@pytest.mark.parametrize(
+    ("settings", "word"),
+    [
+        ((f"{MESH}.contact_ratio = 1.0000005",), "give 1"),
+        ((f"{MESH}.contact_ratio = 1.9999999",), "give 2"),
+        ((f"{MESH}.contact_ratio = 2", ERROR), "between 1 and 2"),
+        ((f"{MESH}.contact_ratio = 1", *SLIDING), "between 1 and 2"),
+    ],
+)
+def test_whole_contact_ratios_leave_nothing_to_hand_over(settings, word):
+    with pytest.raises(SceneError) as told:
+        make_scene(raw_scene("lsp", *settings))
+    (line,) = str(told.value).splitlines()[1:]
+    assert line.strip().startswith(f"{MESH}.contact_ratio:")
+    assert word in line

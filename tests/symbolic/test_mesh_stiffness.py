@@ -62,3 +62,18 @@ def test_constant_without_a_second_level():
     stage = load_scene("rig-2mw").stages["hsp"]
     assert levels(stage, stage.ring_planet, stage.ring, stage.planet, -1)[1] is None
     assert build_model(load_scene("rig-2mw")).values()["hsp.ring_planet.stiffness"] == pytest.approx(4.0266e9, rel=1e-4)
+
+
+@pytest.mark.parametrize(("ratio", "part"), [(1, 0), (2, 1)])
+def test_a_whole_contact_ratio_has_one_level(ratio, part):
+    given = levels(*mesh_of(load_scene("lsp")))
+    scene = load_scene("lsp", {"stages.lsp.sun_planet.contact_ratio": str(ratio)})
+    assert levels(*mesh_of(scene)) == (given[part], None)
+    model = build_model(scene)
+    assert not [level for level in model.levels if "sun_planet" in level.name]
+    assert model.values()["lsp.sun_planet.stiffness"] == given[part]
+
+
+def mesh_of(scene):
+    stage = scene.stages["lsp"]
+    return stage, stage.sun_planet, stage.sun, stage.planet, 1

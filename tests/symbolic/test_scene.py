@@ -420,7 +420,7 @@ DEFECTS = {
     "contact ratio given out of range": (
         "lsp",
         {L + "sun_planet.contact_ratio": 2.5},
-        "stages.lsp.sun_planet.contact_ratio: must be less than 1.999999",
+        "stages.lsp.sun_planet.contact_ratio: must be less than or equal to 2",
         "2.5",
     ),
     "contact ratio computed out of range": (
