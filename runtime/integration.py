@@ -43,8 +43,7 @@ class Outcome:
     counts
         Steps, right-hand sides, Jacobians, segments, events.
     expected_events
-        Switchings between the first and the last mesh phases, and those where a speed over time passes
-        through zero; None if a mesh has turned back anywhere else.
+        Switchings by kinematics: borders between the mesh phases at the start, where they turned back, and at the end.
     extremes
         Smallest and largest mesh forces.
     status
@@ -59,7 +58,7 @@ class Outcome:
     jump_energy: float
     energy: tuple[float, float]
     counts: Counts
-    expected_events: int | None
+    expected_events: int
     extremes: MeshExtremes
     status: str
     end: float
@@ -204,7 +203,7 @@ class Integration:
         """Return how it went; switchings that kinematics does not call for are a failure."""
         march, events = self.march, self.march.stepper.counts.events
         expected = march.expected_events()
-        if status == "done" and expected not in (None, events):
+        if status == "done" and expected != events:
             status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
         energy = march.first_energy, march.energy(march.z, march.cells, self.signals.at(march.time))
         end = min(march.time, self.samples.end)

@@ -27,11 +27,13 @@ MOST_TURNS = 16
 Snapshot = dict[str, NDArray[np.generic]]
 KEPT = (
     "z", "time", "unpassed", "turns", "work", "jump_energy", "first_energy", "longest", "first", "fresh", "cells",
-    "last_turn", "expected", "reversed",
+    "last_turn", "expected", "heading",
 )  # fmt: skip
 """All that a march remembers from segment to segment, besides parameters, sides, counts, extremes and the last step."""
 WIDEST = 1000.0
 """Angle [rad] by which the fastest mode turns at most between two nodes where nothing switches or bends."""
+STANDING = 1e-6
+"""Speed over the largest of an arc below which a free train stands still."""
 LONGEST = 4096
 """By how much a segment may outgrow the one that resolves the fastest mode: found again in 12 halvings."""
 UNRESOLVED = (1.0, 10.0)
@@ -66,7 +68,8 @@ class March:
         self.work = self.jump_energy = self.time = self.unpassed = 0.0
         start = signals.at(0.0)
         self.cells: Cells = cells_of(self.phases(self.z, start))
-        self.last_turn, self.expected, self.reversed = self.cells, 0, False
+        self.last_turn, self.expected, self.heading = self.cells, 0, np.zeros(len(self.cells))
+        self.free = names.index("reference.speed") if "reference.speed" in names else None
         s = np.concatenate([levels_of(self.cells), start])
         self.regimes = Regimes(library, self.p, self.frame, self.nodes, rtol, s)
         self.watch = Watch(self.regimes, self.phase_kernel, self.p, self.cells)
@@ -139,6 +142,7 @@ class March:
         now, knot = self.phases(self.z, signals), self.signals.next_knot(self.time)
         most = min(self.longest, knot - self.time, left if isinstance(self.nodes, Chebyshev) else self.longest)
         gain = np.zeros_like(now.rate)
+        self._turn_back(now)
         if self.speed is not None:
             gain = (self.phases(self.z, signals + slope * most).rate - now.rate) / most
             self._stand(now, gain, signals)
@@ -178,6 +182,7 @@ class March:
                     break
                 duration *= 1 + correction
                 continue
+            part = min(part, self._standstill(arc))
             first, sides = self.regimes.cross(arc, along)
             if (sides != self.regimes.sides).any():
                 self._change(sides)
@@ -190,8 +195,27 @@ class March:
             duration = arc.duration * min(part, first)  # go back to the segment's start with a shorter one
         else:
             raise RuntimeError("a switching instant could not be located in 20 trials")
-        self.reversed |= self.speed is None and bool((now.rate * after.rate < 0).any())
         return arc, cells, sides
+
+    def _standstill(self, arc: Arc) -> float:
+        """Return the part of an arc before a free train turns back, so that it comes and goes in arcs of their own."""
+        if self.free is None:
+            return 1.0
+        speed = self.frame.origin[self.free] + self.frame.scale[self.free] * arc.z[:, self.free]
+        back = np.flatnonzero(speed[0] * speed < 0)
+        if not len(back) or abs(speed[-1]) <= STANDING * np.abs(speed).max():
+            return 1.0
+        before, after = back[0] - 1, back[0]
+        low, high = self.nodes.points[before], self.nodes.points[after]
+        return float(low + (high - low) * speed[before] / (speed[before] - speed[after]))
+
+    def _turn_back(self, now: Phases) -> None:
+        """Note the cells where a free train has turned back."""
+        heading = np.sign(now.rate)
+        if self.free is not None and (heading * self.heading < 0).any():
+            self.expected += self._passed(now)
+            self.last_turn = self._counted(now)
+        self.heading = np.where(heading == 0, self.heading, heading)
 
     def _arc(self, duration: float, s: Vector, slope: Vector) -> Arc:
         """Integrate for a duration with levels and sides held."""
@@ -288,20 +312,20 @@ class March:
         self._switch(cells, signals)
 
     def _counted(self, now: Phases) -> Cells:
-        """Return the cells by kinematics; a standstill on a border belongs to the cell that is being left."""
+        """Return the cells by kinematics; on a border that of the march, whether or not it has left its last one."""
         beside = np.minimum(
             np.abs(now.tau - lower(self.cells, now.share)), np.abs(now.tau - upper(self.cells, now.share))
         )
-        return np.where((now.rate == 0) & (beside <= at_border(now)), self.cells, cells_of(now))
+        turned = (now.rate == 0) | (self.free is not None)
+        return np.where(turned & (beside <= at_border(now)), self.cells, cells_of(now))
 
     def _passed(self, now: Phases) -> int:
         """Return the switchings since the last standstill by kinematics."""
         return int(np.abs(self._counted(now) - self.last_turn).sum())
 
-    def expected_events(self) -> int | None:
-        """Return the switchings that kinematics calls for; None if that cannot be told from a few phases."""
-        now = self.phases(self.z, self.signals.at(self.time))
-        return None if self.reversed else self.expected + self._passed(now)
+    def expected_events(self) -> int:
+        """Return the switchings that kinematics calls for: borders between the phases where the train turned back."""
+        return self.expected + self._passed(self.phases(self.z, self.signals.at(self.time)))
 
     def _switch(self, cells: Cells, signals: Vector) -> None:
         """Go over to other cells, and book what the stiffness jumps put in."""

@@ -267,9 +267,7 @@ def simulated(data: Data) -> None:
         console.print(f"[yellow]warning[/]: {escape(line)}")
     counts = data["counts"]
     expected = counts["expected_events"]
-    by = (
-        "" if expected is None else ", as kinematics calls for" if expected == counts["events"] else f", not {expected}"
-    )
+    by = ", as kinematics calls for" if expected == counts["events"] else f", not {expected}"
     console.print(
         f"{data['method']} on {data['engine']}, rtol {data['rtol']:g}: {data['simulated_s']:.6g} s simulated, "
         f"{pace(data['real_time_factor'])}\n"

@@ -236,6 +236,26 @@ def test_switchings_of_an_accelerating_train_are_those_of_its_angle(method):
     assert path.counts.events == path.expected_events == wanted > 100
 
 
+@pytest.mark.parametrize("method", ["erk", "cvodes", "sundae"])
+@pytest.mark.parametrize(("torque", "speed"), [("-6e6", "2"), ("-9e6", "0.5")])
+def test_a_train_that_its_loads_turn_back_loses_no_switching(torque, speed, method):
+    settings = (
+        "-loads.motor.speed",
+        f'loads.motor.torque = "{torque} N*m"',
+        f'loads.motor.initial_speed = "{speed} rpm"',
+    )
+    c, path = case("rig-2mw", *settings), run("rig-2mw", *settings, method=method, rtol=1e-6, t_end=0.2, rate=65536.0)
+    turning, angle = path.x[:, c.state("reference.speed")], path.x[:, c.state("reference.angle")]
+    assert path.status == "done"
+    assert turning.min() < 0
+    back = int(np.argmax(angle))
+    wanted = 0
+    for mesh in c.library.manifest.levels:
+        tau, share = nominal_phase(c, mesh, angle, 1.0), share_of(c, mesh)
+        wanted += border_count(tau[0], tau[back], share) + border_count(tau[back], tau[-1], share)
+    assert path.counts.events == path.expected_events == wanted > 5
+
+
 def test_reversal_mirrors_the_count():
     counts = [run("rig-2mw", *s, method="erk", rtol=1e-5, t_end=0.5).counts.events for s in ((), REVERSED["rig-2mw"])]
     assert abs(counts[0] - counts[1]) <= len(case("rig-2mw").library.manifest.levels)
