@@ -70,7 +70,7 @@ def choose(library: Library, at: Equilibrium, p: Vector, rtol: float) -> Choice:
     steps = [float(np.trapezoid(rate, TIMES)) for rate in (np.maximum(accuracy, stable), accuracy)]
     bound = float(np.trapezoid(accuracy < stable, TIMES))
     segments = [0.0, 0.0]
-    if library.manifest.levels or library.manifest.signals:
+    if library.manifest.levels or library.manifest.signals or library.manifest.holds:
         most = fastest / SHORTEST
         resting = min(steps[1] / PER_SEGMENT, most)
         segments = [bound * most + (1 - bound) * resting, resting]

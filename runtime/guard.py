@@ -4,38 +4,50 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
+from .choice import RIGID
 from .equilibrium import Equilibrium, inertias, pulling, state_matrix
 from .library import Library
 from .scaling import vibration_scale
 
 Vector = NDArray[np.float64]
-EXPLICIT = ("erk",)
-"""Methods whose step is bound by the fastest motion, whether or not it vibrates."""
 REACH = 3.3
 """Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Dormand and Prince is stable."""
 MOST_STEPS = 1e9
 """Steps above which a run is refused: more than an hour of the smallest scenes."""
 
 
-def check_explicit(library: Library, at: Equilibrium, p: Vector, t_end: float) -> None:
-    """Refuse a run that an explicit method would need very many steps for because of one fast motion.
+STIFFEST = 1e4
+"""Fastest over slowest motion beyond which Adams is refused: held at its bound of stability for so long, it was seen
+to err 1e4 times its tolerance (hard case ``tiny-inertia``)."""
+
+
+def check_explicit(library: Library, at: Equilibrium, p: Vector, method: str, t_end: float) -> None:
+    """Refuse a run that one fast motion takes from an explicit method: too many steps, or too many for Adams.
 
     Raises
     ------
     LtcgearError
         It names the body and the cure.
     """
-    speed, body = _fastest(library, at, p)
+    speed, slowest, body = _fastest(library, at, p)
+    if method == "adams" and speed > STIFFEST * slowest:
+        raise LtcgearError(
+            f"adams is not for stiff models: {body} swings at {speed:.1e} rad/s, {speed / slowest:.0e} times as fast "
+            "as the slowest motion; use --method rosenbrock or cvodes"
+        )
     steps = t_end * speed / REACH
     if steps > MOST_STEPS:
         raise LtcgearError(
-            f"erk would need about {steps:.0e} steps: {body} swings at {speed:.1e} rad/s; use --method rosenbrock, "
-            f"give {body.split()[0]} more inertia or softer springs, or simulate a shorter time"
+            f"{method} would need about {steps:.0e} steps: {body} swings at {speed:.1e} rad/s; "
+            f"use --method rosenbrock, give {body.split()[0]} more inertia or softer springs, or simulate less time"
         )
 
 
-def _fastest(library: Library, at: Equilibrium, p: Vector) -> tuple[float, str]:
-    """Return the largest modulus [1/s] of an eigenvalue, and the body that this motion moves most."""
+def _fastest(library: Library, at: Equilibrium, p: Vector) -> tuple[float, float, str]:
+    """Return the largest and the smallest modulus [1/s] of eigenvalues, and the body that the fastest moves most.
+
+    Rigid modes are left out.
+    """
     scale = vibration_scale(library, at, p)
     matrix = state_matrix(library, at.x, at.s, pulling(library, p)) * scale[None, :] / scale[:, None]
     values, shapes = np.linalg.eig(matrix)
@@ -43,4 +55,5 @@ def _fastest(library: Library, at: Equilibrium, p: Vector) -> tuple[float, str]:
     shape = np.abs(shapes[:, top] * scale)[library.index(".rate")]
     energy = inertias(library, p) * shape**2
     state = library.manifest.states[library.index("")[int(energy.argmax())]]
-    return float(np.abs(values[top])), f"{state.body} ({state.axis})"
+    sizes = np.abs(values)
+    return float(sizes[top]), float(sizes[sizes > RIGID * sizes[top]].min()), f"{state.body} ({state.axis})"

@@ -13,12 +13,12 @@ from .brake import Brake
 from .diagnosis import explain
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
-from .guard import EXPLICIT, check_explicit
+from .guard import check_explicit
 from .library import Library
 from .march import March, Snapshot
 from .sampling import Block, Samples, join
 from .signals import Pairs, Signals
-from .stepper import Counts
+from .stepper import EXPLICIT, Counts
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
@@ -118,7 +118,7 @@ class Integration:
     ) -> None:  # fmt: skip
         clock = perf_counter()
         if method in EXPLICIT:
-            check_explicit(library, at, p, t_end)
+            check_explicit(library, at, p, method, t_end)
         last = round(t_end * rate)
         self.signals = Signals(library.manifest.signals, tables or {})
         self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})"

@@ -17,7 +17,7 @@ from .nodes import Chebyshev, Nodes, Uniform
 from .regimes import Regimes, Sides
 from .scaling import fastest, vibration_scale
 from .signals import Signals
-from .stepper import MULTISTEP, make_stepper
+from .stepper import EXPLICIT, MULTISTEP, make_stepper
 from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
 from .watch import Watch
 
@@ -31,7 +31,9 @@ KEPT = (
 )  # fmt: skip
 """All that a march remembers from segment to segment, besides parameters, sides, counts, extremes and the last step."""
 WIDEST = 1000.0
-"""Angle [rad] by which the fastest mode turns at most between two nodes where nothing switches or bends."""
+"""Angle [rad] by which the fastest mode turns between two nodes (explicit methods) at most where nothing switches."""
+TRIALS = 30
+"""How often a segment may be cut before it ends on a border."""
 STANDING = 1e-6
 """Speed over the largest of an arc below which a free train stands still."""
 LONGEST = 4096
@@ -47,7 +49,7 @@ class March:
         self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
         signals: Signals,
     ) -> None:  # fmt: skip
-        self.library, self.signals = library, signals
+        self.library, self.signals, self.rtol = library, signals, rtol
         names, kinds = [state.name for state in library.manifest.states], library.manifest.signals
         self.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), None)
         self.angle = names.index("reference.angle") if "reference.angle" in names else -1
@@ -82,11 +84,11 @@ class March:
 
         A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
         1e-9 whatever moves. Segments begin with that length, and grow where the fastest modes are at rest. Blocks are
-        equally long, and where samples lie far apart nodes lie between them, so that no engine runs out of steps.
+        equally long; explicit methods get nodes between samples that lie far apart, lest they run out of steps.
         """
         quickest, manifest = fastest(self.library, self.at, self.p), self.library.manifest
         if not (manifest.levels or manifest.signals or manifest.holds):
-            finer = max(ceil(quickest / rate / WIDEST), 1)
+            finer = max(ceil(quickest / rate / WIDEST), 1) if method in EXPLICIT else 1
             turning = self._reference_speed() / (MOST_TURNS * TURN)
             most = max(1, min(256, int(rate / turning) * finer if turning else 256))
             blocks = ceil(samples * finer / most)
@@ -168,7 +170,7 @@ class March:
     def _to_border(self, duration: float, now: Phases, s: Vector, slope: Vector) -> tuple[Arc, Cells, Sides]:
         """Integrate for a duration, or to the first border if that comes before; return cells and sides after it."""
         aimed = False
-        for trial in range(30):
+        for trial in range(TRIALS):
             arc = self._arc(duration, s, slope)
             if not self._resolved(arc):
                 duration, aimed = self.longest, False
@@ -194,7 +196,7 @@ class March:
             aimed = first < part
             duration = arc.duration * min(part, first)  # go back to the segment's start with a shorter one
         else:
-            raise RuntimeError("a switching instant could not be located in 20 trials")
+            raise RuntimeError(f"a switching instant could not be located in {TRIALS} trials")
         return arc, cells, sides
 
     def _standstill(self, arc: Arc) -> float:
@@ -202,8 +204,9 @@ class March:
         if self.free is None:
             return 1.0
         speed = self.frame.origin[self.free] + self.frame.scale[self.free] * arc.z[:, self.free]
-        back = np.flatnonzero(speed[0] * speed < 0)
-        if not len(back) or abs(speed[-1]) <= STANDING * np.abs(speed).max():
+        still = max(STANDING * float(np.abs(speed).max()), self.rtol * self.frame.scale[self.free])
+        back = np.flatnonzero((speed[0] * speed < 0) & (np.abs(speed) > still))
+        if not len(back) or abs(speed[0]) <= still:
             return 1.0
         before, after = back[0] - 1, back[0]
         low, high = self.nodes.points[before], self.nodes.points[after]

@@ -39,6 +39,8 @@ METHODS = {
 PLUGINS = {"adams": "cvodes"}
 """CasADi's integrator behind a method, where it has another name."""
 MULTISTEP = ("cvodes", "adams", "idas", "sundae")
+EXPLICIT = ("erk", "adams")
+"""Methods whose step is bound by the fastest motion, whether or not it vibrates."""
 OPTIONAL = {"sundae": "sksundae"}
 """The module that a method needs and that is not always installed."""
 MOST_STEPS = 1_000_000

@@ -4,6 +4,7 @@ It goes on from arc to arc without a restart, and restarts where the motion's la
 a switching is due: its own root finding stops it where a distance of the watch falls to zero.
 """
 
+import os
 from collections.abc import Callable
 
 import casadi as ca
@@ -18,8 +19,8 @@ from .stepper import CONSTANT, MOST_STEPS, Counts, layout, scaled_problem
 from .watch import Watch
 
 Vector = NDArray[np.float64]
-UNCONTROLLED = 1e300
-"""Absolute tolerance of the work, which follows from the motion and does not steer it."""
+for level in ("ERROR", "WARNING"):  # SUNDIALS would write to stdout, which is the commands' own
+    os.environ.setdefault(f"SUNLOGGER_{level}_FILENAME", os.devnull)
 ROOT = 2
 """What CVODE returns where it has found a root."""
 STENCIL = 6
@@ -67,7 +68,7 @@ class SundaeStepper:
         self.part["duration"][:], self.part["scale"][:], self.part["p"][:] = 1.0, frame.scale, p
         self.options = {
             "rtol": rtol,
-            "atol": np.append(np.full(self.size, rtol), UNCONTROLLED),
+            "atol": np.full(self.size + 1, rtol),
             "jacfn": self._jacobian,
             "max_num_steps": MOST_STEPS,
         }

