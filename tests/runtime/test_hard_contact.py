@@ -12,7 +12,6 @@ from ltcgear.runtime.hard.impact import Impact
 from ltcgear.runtime.hard.pair import Pair
 from ltcgear.runtime.hard.planets import RubbingPlanets
 from ltcgear.runtime.library import build
-from ltcgear.runtime.stepper import METHODS
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
@@ -40,17 +39,6 @@ def wrong(name, method, long=False):
         return [str(error)]
     assert found
     return [f"{item.what}: {item.value:.2e}, {item.limit:.2e} at most" for item in found if not item.right]
-
-
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.integrates])
-def test_case(name, method):
-    assert wrong(name, method) == []
-
-
-@pytest.mark.parametrize("name", [name for name, case in CASES.items() if not case.integrates])
-def test_case_without_integration(name):
-    assert wrong(name, "erk") == []
 
 
 @pytest.mark.parametrize("name", ["bounce", "grazing", "impact", "zero-gap", "reversal"])

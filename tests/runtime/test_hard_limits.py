@@ -12,19 +12,11 @@ from ltcgear.runtime.integration import integrate
 from ltcgear.runtime.library import build
 from ltcgear.runtime.relaxation import relax
 from ltcgear.runtime.results import make_dataset
-from ltcgear.runtime.stepper import METHODS
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
 
 CASES = {case.name: case for case in (*limits.CASES, *symmetry.CASES)}
-REFUSED = {
-    ("tiny-inertia-long", "erk"): r"erk would need about \de\+\d+ steps: speck \(u\) .* use --method rosenbrock",
-    ("tiny-inertia", "adams"): r"adams is not for stiff models: speck \(u\) .* use --method rosenbrock",
-    ("tiny-inertia-long", "adams"): r"adams would need about \de\+\d+ steps: speck \(u\) .* use --method rosenbrock",
-    ("tiny-inertia-long", "idas"): r"idas stopped at t = 0 s .*try another --method",
-}
-"""What may refuse a case, and the reason it must give."""
 
 
 @cache
@@ -36,20 +28,6 @@ def built(name, changes):
 def open_bench(name, changes):
     """Build a scene on the test bench, once a session."""
     return built(name, tuple(sorted(changes.items())))
-
-
-RUNS = [(name, method) for name, case in CASES.items() for method in (METHODS if case.integrates else ("-",))]
-
-
-@pytest.mark.parametrize(("name", "method"), RUNS)
-def test_a_case_is_right_or_refused_with_its_reason(name, method):
-    if (name, method) in REFUSED:
-        with pytest.raises(LtcgearError, match=REFUSED[name, method]):
-            list(CASES[name].check(open_bench, method, False))
-        return
-    found = list(CASES[name].check(open_bench, method, False))
-    assert found
-    assert [(item.what, item.value, item.limit) for item in found if not item.right] == []
 
 
 @pytest.mark.parametrize("method", ["erk", "cvodes"])
