@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from .equilibrium import Equilibrium, pulling, state_matrix
+from .equilibrium import Equilibrium, closed, state_matrix
 from .kernel import Kernel
 from .library import Library
 from .scaling import vibration_scale
@@ -135,7 +135,7 @@ def _modes(library: Library, at: Equilibrium, p: Vector, scale: Vector) -> tuple
     kinds = [signal.name for signal in library.manifest.signals]
     resting = np.where([name == "reference.speed" for name in kinds], 0.0, at.signals) if kinds else at.signals
     s = np.concatenate([np.ones(len(at.levels)), resting])
-    matrix = state_matrix(library, at.x, s, pulling(library, p)) * scale[None, :] / scale[:, None]
+    matrix = state_matrix(library, at.x, s, closed(library, p)) * scale[None, :] / scale[:, None]
     values, shapes = np.linalg.eig(matrix)
     return values.astype(np.complex128), shapes.astype(np.complex128)
 
@@ -148,7 +148,7 @@ def _pushes(library: Library, at: Equilibrium, p: Vector) -> Vector:
     def rates(levels: Vector, p: Vector) -> Vector:
         return rhs(at.x, np.concatenate([levels, at.signals]), p)[0].copy()
 
-    ones, means = np.ones(count), pulling(library, p)
+    ones, means = np.ones(count), closed(library, p)
     pushes = [rates(at.levels, p) - rates(at.levels, means), rates(ones, p) - rates(ones, means)]
     pushes += [rates(level, p) - rates(np.zeros(count), p) for level in np.eye(count)]
     return np.array(pushes).T

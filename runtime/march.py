@@ -73,7 +73,8 @@ class March:
         self.last_turn, self.expected, self.heading = self.cells, 0, np.zeros(len(self.cells))
         self.free = names.index("reference.speed") if "reference.speed" in names else None
         s = np.concatenate([levels_of(self.cells), start])
-        self.regimes = Regimes(library, self.p, self.frame, self.nodes, rtol, s)
+        known = self.angle if self.angle >= 0 and self.free is None else None
+        self.regimes = Regimes(library, self.p, self.frame, self.nodes, rtol, s, known)
         self.watch = Watch(self.regimes, self.phase_kernel, self.p, self.cells)
         self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:], self.watch)
         self.first_energy = self.energy(self.z, self.cells, start)
@@ -169,8 +170,8 @@ class March:
 
     def _to_border(self, duration: float, now: Phases, s: Vector, slope: Vector) -> tuple[Arc, Cells, Sides]:
         """Integrate for a duration, or to the first border if that comes before; return cells and sides after it."""
-        aimed = False
-        for trial in range(TRIALS):
+        aimed, aims = False, 0
+        for _ in range(TRIALS):
             arc = self._arc(duration, s, slope)
             if not self._resolved(arc):
                 duration, aimed = self.longest, False
@@ -179,7 +180,8 @@ class March:
             after = self.phases(arc.z[-1], self._signals_after(arc.duration, s, slope))
             cells, part = crossed(self.cells, now, after)
             if aimed:
-                correction, sides = self.regimes.end(arc, along, trial)
+                correction, sides = self.regimes.end(arc, along, aims)
+                aims += 1
                 if correction == 0:
                     break
                 duration *= 1 + correction
@@ -191,7 +193,7 @@ class March:
                 continue
             if min(part, first) == 1.0:
                 if arc.duration < duration:  # the engine has met a border
-                    _, sides = self.regimes.end(arc, along, len(arc.z))
+                    _, sides = self.regimes.end(arc, along, TRIALS)
                 break
             aimed = first < part
             duration = arc.duration * min(part, first)  # go back to the segment's start with a shorter one
@@ -201,7 +203,7 @@ class March:
 
     def _standstill(self, arc: Arc) -> float:
         """Return the part of an arc before a free train turns back, so that it comes and goes in arcs of their own."""
-        if self.free is None:
+        if self.free is None or not len(self.cells):
             return 1.0
         speed = self.frame.origin[self.free] + self.frame.scale[self.free] * arc.z[:, self.free]
         still = max(STANDING * float(np.abs(speed).max()), self.rtol * self.frame.scale[self.free])

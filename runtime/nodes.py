@@ -72,4 +72,6 @@ class Uniform:
     def matrix(self, times: Vector) -> Vector:
         """Return the selection matrix."""
         chosen = np.rint(times * self.count).astype(np.int64)
+        if (np.abs(times * self.count - chosen) > 1e-6).any():
+            raise RuntimeError("samples lie beside the nodes of a block that was cut")
         return np.asarray(np.eye(self.count + 1)[chosen])

@@ -20,6 +20,10 @@ Vector = NDArray[np.float64]
 Sides = NDArray[np.bool_]
 FINE = 64
 """Points of an arc at which indicators are looked at."""
+PATIENCE = 6
+"""Trials after which an arc ends as near to its border as the integrator's errors allow."""
+AT_ONCE = 1e-12
+"""Part of an arc that counts as its start."""
 SLACK, NEAR = 0.1, 100.0
 """How far beyond a border counts as on it, over what the tolerance lets the indicator be off; and how many times as
 far it may be by the errors of an integrator that starts again."""
@@ -40,6 +44,8 @@ class Regimes:
         Tolerance of the states.
     s
         Levels and signals at the start.
+    known
+        Index of a state that is known without error, None where there is none.
 
     Attributes
     ----------
@@ -49,7 +55,9 @@ class Regimes:
         Where the holds are in p, shape (n_g,).
     """
 
-    def __init__(self, library: Library, p: Vector, frame: Frame, nodes: Nodes, rtol: float, s: Vector) -> None:
+    def __init__(
+        self, library: Library, p: Vector, frame: Frame, nodes: Nodes, rtol: float, s: Vector, known: int | None = None
+    ) -> None:
         names = [name for name, _ in library.manifest.parameters]
         self.index = np.array([names.index(hold) for hold in library.manifest.holds], dtype=np.int64)
         self.p, self.frame, self.nodes = p, frame, nodes
@@ -60,8 +68,10 @@ class Regimes:
             return
         self.many = Kernel(library.functions["borders"].map("borders_at_nodes", "serial", len(nodes.points), [2], []))
         self.fine = nodes.matrix(np.arange(FINE + 1) / FINE)
-        size = np.max([np.abs(self._at(z, s) - first) for z in np.eye(len(frame.scale))], axis=0)
-        self.slack = SLACK * rtol * size
+        error = SLACK * rtol * np.array([np.abs(self._at(z, s) - first) for z in np.eye(len(frame.scale))])
+        if known is not None:
+            error[known] = 0.0
+        self.error, self.slack = error, error.max(axis=0)
 
     def _at(self, z: Vector, s: Vector) -> Vector:
         """Return the indicators of one state."""
@@ -75,6 +85,10 @@ class Regimes:
         """Return the same of an unscaled state."""
         return np.asarray(np.where(self.sides, 1.0, -1.0) * self.one(x, s, self.p)[0])
 
+    def _noise(self, z: Vector) -> Vector:
+        """Return how far indicators may be off by the errors of an integrator that starts again, shape (n_g,)."""
+        return np.asarray(NEAR * (self.error * np.maximum(np.abs(z), 1.0)[:, None]).max(axis=0))
+
     def hold(self, p: Vector) -> None:
         """Put the sides into parameters."""
         p[self.index] = np.where(self.sides, HELD, -HELD)
@@ -84,7 +98,7 @@ class Regimes:
         if not len(self.index):
             return self.sides
         inside = self.inside(z, s)
-        beyond = (inside < -self.slack) & ((inside < -NEAR * self.slack) | (self._slope(z, s) < 0))
+        beyond = (inside < -self.slack) & ((inside < -self._noise(z)) | (self._slope(z, s) < 0))
         return np.asarray(self.sides ^ beyond)
 
     def cross(self, arc: Arc, s: Vector) -> tuple[float, Sides]:
@@ -113,15 +127,19 @@ class Regimes:
         if at_once.any():
             return 1.0, self.sides ^ at_once
         # What has just crossed and goes on may seem to return by the errors of the path between the integrator's steps.
-        left = np.maximum.accumulate(np.abs(distance) > NEAR * self.slack, axis=0)
-        distance = np.where(near & ~left, 0.0, distance)
-        return min(self._roots(arc, s, distance), default=1.0), self.sides
+        left = np.maximum.accumulate(np.abs(distance) > self._noise(np.abs(arc.z).max(axis=0)), axis=0)
+        roots = self._roots(arc, s, np.where(near & ~left, 0.0, distance))
+        # From a border on which it rested, a motion may leave so slowly that no slope tells.
+        at_once[[which for part, which in roots if near[which] and part <= AT_ONCE]] = True
+        if at_once.any():
+            return 1.0, self.sides ^ at_once
+        return min((part for part, _ in roots), default=1.0), self.sides
 
     def _slope(self, z: Vector, s: Vector) -> Vector:
         """Return how fast the signed indicators change from a state on [1/s], by a difference over a short time."""
         self.hold(self.p)
         rate = self.rhs(self.frame.origin + self.frame.scale * z, s, self.p)[0] / self.frame.scale
-        step = 1e-7 / max(float(np.abs(rate).max()), 1e-300)
+        step = 1e-6 * float((np.maximum(np.abs(z), 1.0) / np.maximum(np.abs(rate), 1e-300)).min())
         return np.asarray((self.inside(z + step * rate, s) - self.inside(z, s)) / step)
 
     def end(self, arc: Arc, s: Vector, trial: int) -> tuple[float, Sides]:
@@ -139,7 +157,8 @@ class Regimes:
             return 0.0, self.sides
         reach = np.where(falling, np.abs(end), np.inf)
         which = int(np.argmin(reach / self.slack))
-        slack = self.slack * min(2.0**trial, NEAR)
+        noise = np.maximum(self._noise(arc.z[-1]) / self.slack, 1.0)
+        slack = self.slack * noise ** min(trial / PATIENCE, 1.0)
         if reach[which] > slack[which]:
             return float(np.clip(-end[which] / slope[which] / arc.duration, -0.1, 0.1)), self.sides
         return 0.0, self.sides ^ (reach <= slack)
@@ -157,8 +176,8 @@ class Regimes:
         fine[1:-1] = np.where(dips, middle - slope**2 / (2 * np.where(dips, bend, 1.0)), middle)
         return fine
 
-    def _roots(self, arc: Arc, s: Vector, distance: Vector) -> list[float]:
-        """Return where in the arc each border that it crosses is crossed first."""
+    def _roots(self, arc: Arc, s: Vector, distance: Vector) -> list[tuple[float, int]]:
+        """Return where in the arc each border that it crosses is crossed first, and which it is."""
         found = []
         for which in np.flatnonzero((distance < -self.slack).any(axis=0)):
             row = int(np.argmax(distance[:, which] < -self.slack[which]))
@@ -166,7 +185,7 @@ class Regimes:
             def distance_at(part: float, which: int = int(which)) -> float:
                 return float(self._inside_at(arc, s, part)[which])
 
-            found.append(_first_zero(distance_at, row))
+            found.append((_first_zero(distance_at, row), int(which)))
         return found
 
     def _inside_at(self, arc: Arc, s: Vector, part: float) -> Vector:

@@ -147,8 +147,10 @@ def verified(
 ) -> dict[str, Any]:
     """Return the accuracy of a run, and its seconds with those that this took."""
     clock = perf_counter()
-    settings["t_end"] = min(settings["t_end"], summary["simulated_s"])
-    accuracy = estimate_accuracy(library, p, at, **settings)
+    if summary["status"] != "done":
+        accuracy: dict[str, Any] = {"meshes": {}, "worst": None, "reason": "the run did not reach its end"}
+    else:
+        accuracy = estimate_accuracy(library, p, at, **settings)
     return {"accuracy": accuracy, "seconds": summary["seconds"] | {"verify": perf_counter() - clock}}
 
 

@@ -165,13 +165,14 @@ ELEMENTS: Mapping[str, Callable[[], Element]] = {
 def compiled(name: str) -> tuple[Element, Callable[..., Any]]:
     """Make an element and the numeric function of its wrench."""
     element = ELEMENTS[name]()
-    return element, sp.lambdify(element.arguments, list(element.wrench), "numpy", cse=True)
+    modules = [{"Switch": lambda g, hold: (g + hold > 0) * 1.0}, "numpy"]
+    return element, sp.lambdify(element.arguments, list(element.wrench), modules, cse=True)
 
 
 def wrench(name: str, bodies: str, v: Values, parameters: Mapping[str, Any]) -> list[Array]:
     """Evaluate an element between bodies (``"SP"``: sun, then planet)."""
     element, function = compiled(name)
-    known: dict[str, Any] = dict(parameters)
+    known: dict[str, Any] = {"hold": 0.0, **parameters}
     for port, b in zip(element.ports, bodies, strict=True):
         names = [f"{c}_{b}{rate}" for rate in ("", "'") for c in COMPONENTS]
         known |= {s.name: v[n] for s, n in zip((*port.coordinates, *port.rates), names, strict=True)}

@@ -63,7 +63,7 @@ def artifact():
         (("a.inertia", "kg*m^2"),),
         (Report("speed", "a", "rad/s", "rotor"),), {"rhs": signature}, "3.8.2",
         (Signal("reference.acceleration", "rad/s^2", "loads.m.speed_over_time", True),),
-        (Clock("m.1.phase", "m.teeth_1", "a.speed_ratio", "", ("m.tooth_error_0.teeth",), "m.1"),),
+        ("hold.m.1",), (Clock("m.1.phase", "m.teeth_1", "a.speed_ratio", "", ("m.tooth_error_0.teeth",), "m.1"),),
     )  # fmt: skip
     return Artifact(C, manifest, GRAPHS)
 

@@ -91,7 +91,7 @@ def test_a_run_that_goes_on_is_the_one_never_stopped(killed, tmp_path, name):
 
 @pytest.mark.parametrize(
     ("settings", "most"),
-    [((), {"z", "time", "work", "jump_energy", "cells"}), (BACK, {"last_turn", "expected"}), (FREE, {"reversed"})],
+    [((), {"z", "time", "work", "jump_energy", "cells"}), (BACK, {"last_turn", "expected"}), (FREE, {"heading"})],
     ids=["held", "turned back", "free"],
 )
 def test_a_snapshot_holds_all_that_moves(settings, most):

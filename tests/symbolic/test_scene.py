@@ -83,7 +83,7 @@ def test_every_number_says_where_it_comes_from(name):
     tree.pop("title")
     tree.get("simulation", {}).pop("t_end", None)
     found = dict(numbers(tree))
-    assert len(found) >= 14
+    assert len(found) >= 10
     assert not [key for key, source in found.items() if source is None]
     assert not [key for key, source in found.items() if not source.startswith(LABELS)]
     assert set(found) <= set(load_scene(name).sources)
