@@ -73,7 +73,8 @@ def record(
     target
         The result file, ``NAME.nc``.
     resume
-        Go on from the checkpoint; the result is to the last bit that of a run that was never stopped.
+        Go on from the checkpoint; the result is to the last bit that of a run that was never stopped (with ``sundae``,
+        whose history is not kept, to the tolerance).
 
     Other parameters are those of ``simulate``.
 
