@@ -97,10 +97,14 @@ def pulling(library: Library, p: Vector, share: float = 1.0) -> Vector:
 
 
 def closed(library: Library, p: Vector) -> Vector:
-    """Return the settled parameters with all contacts closed: no clearance, and every tooth pushing and pulling."""
+    """Return the settled parameters with all contacts closed: no clearance, and every tooth pushing and pulling.
+
+    The sign of normal forces under friction is that of the state.
+    """
     values = _replaced(library, pulling(library, p), CLOSING, 1.0)
     names = [name for name, _ in library.manifest.parameters]
-    values[[names.index(hold) for hold in library.manifest.holds]] = HELD
+    contacts = [hold for hold in library.manifest.holds if not hold.endswith(".friction")]
+    values[[names.index(hold) for hold in contacts]] = HELD
     return values
 
 

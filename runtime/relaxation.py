@@ -30,6 +30,8 @@ def relax(balance: Callable[[Vector], tuple[Vector, Vector]], q: Vector, small: 
         Norm of the scaled forces that counts as balance.
     """
     force, stiffness = balance(q)
+    if not (np.isfinite(force).all() and np.isfinite(stiffness).all()):
+        return None
     size, resistance = float(np.linalg.norm(force)), 1.0
     for _ in range(MOST):
         if size <= small:

@@ -37,13 +37,13 @@ def test_every_node_counts_but_none_beyond_the_end():
     rows = [i for i, report in enumerate(found.library.manifest.reports) if report.quantity == "mesh_force"]
     force = over_time(found.library.functions["outputs"], [states, found.at.levels, found.p])[:, rows[0]]
     extremes = MeshExtremes(found.library, found.p, 4, end=1.0)
-    extremes.note(states, found.at.levels, np.array([0.1, 0.4, 0.9, 1.1]))
+    extremes.note(states, found.at.levels, found.p, np.array([0.1, 0.4, 0.9, 1.1]))
     assert len(set(force)) == 4
     assert extremes.lowest[0] == pytest.approx(force[:3].min(), rel=1e-12)
     assert extremes.steady[:, 0] == pytest.approx(force[2], rel=1e-12)
     for sign in (1, -1):  # a peak inside a segment, upwards and downwards
         states[:, found.state("psh.output.u")] = found.at.x[found.state("psh.output.u")] + sign * turned
-        extremes.note(states, found.at.levels, np.array([0.5, 0.6, 0.7, 2.0]))
+        extremes.note(states, found.at.levels, found.p, np.array([0.5, 0.6, 0.7, 2.0]))
         steady = over_time(found.library.functions["outputs"], [states[:3], found.at.levels, found.p])[:, rows[0]]
         peak = np.argmax(np.abs(steady - steady[0]))
         assert peak == 1

@@ -164,7 +164,7 @@ def stopped(killed, tmp_path):
     ("change", "reason"),
     [
         ({"rtol": 1e-7}, "rtol 1e-06 there, 1e-07 here"),
-        ({"method": "cvodes"}, "method erk there, cvodes here"),
+        ({"method": "cvodes"}, "method auto there, cvodes here"),
         ({"t_end": 0.06}, "t_end 0.05 there, 0.06 here"),
         ({"rate": 10e3}, "rate 20000.0 there, 10000.0 here"),
         ({"oversample": 2}, "oversample 1 there, 2 here"),

@@ -172,11 +172,15 @@ def fake_run(*rows):
         )
     ]  # fmt: skip
     outputs = ca.Function("outputs", [x, levels, p], [ca.densify(p[0] * x + 0 * levels[0])])
-    library = SimpleNamespace(functions={"outputs": outputs}, manifest=SimpleNamespace(reports=tuple(reports)))
+    library = SimpleNamespace(
+        functions={"outputs": outputs},
+        manifest=SimpleNamespace(reports=tuple(reports), parameters=(("p", ""),), clocks=(), states=()),
+    )
     time = np.arange(rows[0].size) / (KEPT * OVERSAMPLE)
     path = SimpleNamespace(
-        time=time, x=np.stack(rows, axis=1), levels=np.ones((time.size, 1)), signals=np.zeros((time.size, 0))
-    )
+        time=time, x=np.stack(rows, axis=1), levels=np.ones((time.size, 1)), signals=np.zeros((time.size, 0)),
+        s=np.ones((time.size, 1)), phi=np.zeros(time.size), turns=np.zeros(time.size, dtype=np.int64),
+    )  # fmt: skip
     return library, path, np.ones(1)
 
 

@@ -90,7 +90,7 @@ def test_wrench_is_that_of_vectors_at_the_touching_points(kind, s):
     d = (r1 + sigma * r2) / cos(0.4)
     number = {
         "r_1": r1, "r_2": r2, "k": 4e8, "mu": 0.06, "v_0": 0.05, "s": s, "e_x": 1.0, "e_y": 0.0,
-        "Delta_gamma_0": 0.0, "inv_0": tan(0.4) - 0.4, "xi_m": 1e-3, "varsigma": 0.37,
+        "Delta_gamma_0": 0.0, "inv_0": tan(0.4) - 0.4, "xi_m": 1e-3, "varsigma": 0.37, "hold": 0.0,
     }  # fmt: skip
     for _ in range(50):
         number |= {"tau": rng.uniform(-3, 3), "z_1": 31.0 * rng.choice([-1, 1])}
