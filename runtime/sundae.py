@@ -6,6 +6,8 @@ a switching is due: its own root finding stops it where a distance of the watch 
 
 import os
 from collections.abc import Callable
+from contextlib import redirect_stdout
+from io import StringIO
 
 import casadi as ca
 import numpy as np
@@ -150,7 +152,8 @@ class SundaeStepper:
         times, values = [], []
         reached = float(self.times[-1])
         while reached < min(end, self.border):
-            step = self.solver.step(end, "onestep")
+            with redirect_stdout(StringIO()):  # scikit-sundae prints what it returns as a message
+                step = self.solver.step(end, "onestep")
             if not step.success:
                 raise RuntimeError(step.message)
             reached = float(step.t)
@@ -160,7 +163,7 @@ class SundaeStepper:
                 self.border = reached
             if len(times) > MOST_STEPS:
                 raise RuntimeError(f"more than {MOST_STEPS} steps in a segment")
-            self._count(step.nfev, step.njev)
+            self._count(int(step.nfev), int(step.njev))
         self.times = np.append(self.times, times)
         self.values = np.vstack([self.values, *values])
         return min(end, self.border)
