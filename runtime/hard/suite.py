@@ -93,7 +93,8 @@ def run_case(case: HardCase, method: str, open_: Open, full: bool) -> Outcome:
     if verdict == OK:
         verdict, reason = _judge(found)
     seconds = spent.seconds if case.integrates else perf_counter() - clock
-    return Outcome(method, verdict, tuple(found), reason, seconds, asdict(spent.counts))
+    plain = tuple(Finding(item.what, float(item.value), float(item.limit)) for item in found)
+    return Outcome(method, verdict, plain, reason, seconds, asdict(spent.counts))
 
 
 def _judge(found: Sequence[Finding]) -> tuple[str, str]:
