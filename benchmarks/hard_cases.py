@@ -44,7 +44,7 @@ def numbers(data: dict[str, Any]) -> str:
     for case in data["cases"]:
         results = row_of(case, methods)
         for what, limit in _findings(results):
-            values = " | ".join(_value(result, what) for result in results)
+            values = " | ".join(_value(result, what, limit) for result in results)
             text += f"| {case['name']} | {what} | {values} | {limit:.2g} |\n"
         spent = " | ".join(f"{result['seconds']:.2g}" for result in results)
         text += f"| {case['name']} | seconds | {spent} | |\n"
@@ -56,9 +56,10 @@ def _findings(results: list[dict[str, Any]]) -> dict[tuple[str, float], None]:
     return {(finding["what"], finding["limit"]): None for result in results for finding in result["findings"]}
 
 
-def _value(result: dict[str, Any], what: str) -> str:
+def _value(result: dict[str, Any], what: str, limit: float) -> str:
     """Return one number of a result, or a dash where the method did not get there."""
-    values = [finding["value"] for finding in result["findings"] if finding["what"] == what]
+    found = (item for item in result["findings"] if (item["what"], item["limit"]) == (what, limit))
+    values = [item["value"] for item in found]
     return "-" if not values else "nan" if values[0] is None else f"{values[0]:.2g}"
 
 
