@@ -66,28 +66,8 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Trajectory(Outcome):
-    """An integration with its samples.
-
-    Attributes
-    ----------
-    time, x, levels, signals
-        Sample times [s], states, mesh levels and load signals, shapes (m,), (m, n), (m, l), (m, k).
-    phi, turns
-        Reference angle [rad] less the whole turns that were taken off it, and these, shapes (m,).
-    """
-
-    time: Vector
-    x: Vector
-    levels: Vector
-    signals: Vector
-    phi: Vector
-    turns: NDArray[np.int64]
-
-    @property
-    def s(self) -> Vector:
-        """Return levels and signals, the functions' second argument, shape (m, l + k)."""
-        return np.hstack([self.levels, self.signals])
+class Trajectory(Outcome, Block):
+    """An integration with all its samples."""
 
 
 class Integration:

@@ -136,7 +136,7 @@ class Regimes:
         return min((part for part, _ in roots), default=1.0), self.sides
 
     def _slope(self, z: Vector, s: Vector) -> Vector:
-        """Return how fast the signed indicators change from a state on [1/s], by a difference over a short time."""
+        """Return the rates [N/s], [m/s] of the signed indicators from a state on, by a difference over a short time."""
         self.hold(self.p)
         rate = self.rhs(self.frame.origin + self.frame.scale * z, s, self.p)[0] / self.frame.scale
         step = 1e-6 * float((np.maximum(np.abs(z), 1.0) / np.maximum(np.abs(rate), 1e-300)).min())
