@@ -47,7 +47,7 @@ def _last_state(march: March) -> tuple[Vector, Vector]:
     rest, slope = np.zeros(len(march.cells)), march.signals.rate(march.time)
     s, rate = np.concatenate([levels_of(march.cells), march.signals.at(march.time)]), np.concatenate([rest, slope])
     x, h = march.frame.origin + march.frame.scale * march.z, STEP / fastest(march.library, march.at, march.p)
-    for _ in range(min(int(march.longest / h), MOST_STEPS)):
+    for _ in range(min(int(march.state.longest / h), MOST_STEPS)):
         one = rhs(x, s, march.p)[0].copy()
         two = rhs(x + h / 2 * one, s + h / 2 * rate, march.p)[0].copy()
         three = rhs(x + h / 2 * two, s + h / 2 * rate, march.p)[0].copy()

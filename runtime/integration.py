@@ -24,8 +24,8 @@ Vector = NDArray[np.float64]
 Told = Callable[[float], None]
 Push = Callable[[Block], None]
 CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
-MARK_SECONDS = 2.0
-"""Seconds between two marks of a run."""
+MARK_SECONDS, SLICE = 2.0, 0.05
+"""Seconds between two marks of a run; seconds after which the C comes back to see whether it shall stop."""
 
 
 @dataclass(frozen=True)
@@ -148,19 +148,19 @@ class Integration:
         """Integrate segment by segment to the end; return ``done``, or why it stopped and what to try."""
         shown, marked, march, samples = 0.0, -np.inf, self.march, self.samples
         while not samples.complete:
-            start = march.time
             if brake.pulled or perf_counter() - marked > MARK_SECONDS:
                 samples.flush()
                 mark()
                 marked = perf_counter()
             if brake.pulled:
-                return f"interrupted at t = {start:.6g} s; what was computed until then is kept"
+                return f"interrupted at t = {march.time:.6g} s; what was computed until then is kept"
             try:
-                duration, path, level = march.segment(samples.end - start)
+                march.proceed(SLICE)
             except RuntimeError as error:
                 cause = str(error).strip().splitlines()[-1][:200]
-                return f"{self.stopped.format(start)}: {explain(march) or f'{cause}; {CURE}'}"
-            samples.take(start, duration, path, level)
+                return f"{self.stopped.format(march.time)}: {explain(march) or f'{cause}; {CURE}'}"
+            finally:
+                samples.take()
             now = perf_counter()
             if now - shown > 0.1:
                 shown = now
@@ -181,14 +181,14 @@ class Integration:
 
     def _outcome(self, status: str) -> Outcome:
         """Return how it went; switchings that kinematics does not call for are a failure."""
-        march, events = self.march, self.march.stepper.counts.events
+        march, events = self.march, self.march.counts.events
         expected = march.expected_events()
         if status == "done" and expected != events:
             status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
         energy = march.first_energy, march.energy(march.z, march.cells, self.signals.at(march.time))
         end = min(march.time, self.samples.end)
         return Outcome(
-            march.work, march.jump_energy, energy, march.stepper.counts, expected, march.extremes, status, end,
+            march.state.work, march.state.jump_energy, energy, march.counts, expected, march.extremes, status, end,
             self.seconds,
         )  # fmt: skip
 

@@ -1,121 +1,211 @@
-"""March: an integration under way, segment by segment of smooth motion between switching instants."""
+"""March: an integration under way, segment by segment of smooth motion between switching instants.
+
+The segments themselves are in C (``native/march.c``); here they are set going, and led from knot to knot of the loads
+and from turn to turn of the reference.
+"""
 
 from dataclasses import asdict, replace
 from math import ceil
 from typing import Any
 
 import numpy as np
+from ltcgear.generated.contract import HELD
 from numpy.typing import NDArray
 
-from .arcs import Arc, Frame
+from .arcs import Frame
 from .clocks import TURN, Clocks
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
 from .kernel import Kernel
 from .library import Library
+from .native import FAULTS, FINE, NAMES, STAGES, STOPPED, Native
 from .nodes import Chebyshev, Nodes, Uniform
-from .regimes import Regimes, Sides
+from .regimes import Regimes
 from .scaling import fastest, vibration_scale
 from .signals import Signals
-from .stepper import EXPLICIT, MULTISTEP, make_stepper
-from .switching import Cells, Phases, at_border, cells_of, crossed, levels_of, lower, time_to_border, upper
+from .stepper import EXPLICIT, MULTISTEP, Counts, make_stepper
+from .switching import Cells, Phases, cells_of, expected_switchings, levels_of
 from .watch import Watch
 
 Vector = NDArray[np.float64]
 MOST_TURNS = 16
 """Turns of the reference in a block of samples, at whose end whole turns are taken off its angle."""
-Snapshot = dict[str, NDArray[np.generic]]
-KEPT = (
-    "z", "time", "unpassed", "turns", "work", "jump_energy", "first_energy", "longest", "first", "fresh", "cells",
-    "last_turn", "expected", "heading",
-)  # fmt: skip
-"""All that a march remembers from segment to segment, besides parameters, sides, counts, extremes and the last step."""
 WIDEST = 1000.0
 """Angle [rad] by which the fastest mode turns between two nodes (explicit methods) at most where nothing switches."""
-TRIALS = 30
-"""How often a segment may be cut before it ends on a border."""
-STANDING = 1e-6
-"""Speed over the largest of an arc below which a free train stands still."""
-LONGEST = 4096
-"""By how much a segment may outgrow the one that resolves the fastest mode: found again in 12 halvings."""
 UNRESOLVED = (1.0, 10.0)
 """What a segment's nodes may miss, over rtol: one-step methods, multistep methods, whose own errors are larger."""
+LONGEST = 4096
+"""By how much a segment may outgrow the one that resolves the fastest mode: found again in 12 halvings."""
+CAPACITY = 2048
+"""Samples that wait to be taken; no segment holds more than half of them."""
+Snapshot = dict[str, NDArray[np.generic]]
 
 
 class March:
-    """An integration under way."""
+    """An integration under way.
+
+    Parameters
+    ----------
+    library, p, at
+        Model, parameters and initial state.
+    method, rtol
+        See ``stepper``.
+    samples, rate
+        Samples to take after the first, and how many a second [Hz].
+    signals
+        The load signals.
+
+    Attributes
+    ----------
+    native
+        What the C knows, see ``native.FIELDS``.
+    turns
+        Whole turns that were taken off the reference angle.
+    extremes
+        Smallest and largest mesh forces.
+
+    Raises
+    ------
+    CompileError
+        If there is no compiler.
+    """
 
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
         signals: Signals,
     ) -> None:  # fmt: skip
         self.library, self.signals, self.rtol = library, signals, rtol
-        names, kinds = [state.name for state in library.manifest.states], library.manifest.signals
-        self.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), None)
+        names = [state.name for state in library.manifest.states]
         self.angle = names.index("reference.angle") if "reference.angle" in names else -1
         self.held, self.clocks = held_speed(library, p), Clocks(library.manifest, p)
         self.turns = 0 if self.angle < 0 else self.clocks.turns_in(float(at.x[self.angle]))
         self.at = at = replace(at, x=at.x.copy())
         at.x[self.angle] -= TURN * self.turns
-        self.p = p = self.clocks.parameters(self.turns)
-        self.frame = Frame(at.x, vibration_scale(library, at, p))
-        self.nodes, self.longest = self._layout(method, samples, rate)
-        self.shortest = self.first = self.longest
-        self.unresolved, self.fresh = UNRESOLVED[method in MULTISTEP] * rtol, True
-        self.phase_kernel, self.energy_kernel = (
-            Kernel(library.functions["phases"]),
-            Kernel(library.functions["energy"]),
-        )
-        self.z = np.zeros(len(at.x))
-        self.work = self.jump_energy = self.time = self.unpassed = 0.0
-        start = signals.at(0.0)
-        self.cells: Cells = cells_of(self.phases(self.z, start))
-        self.last_turn, self.expected, self.heading = self.cells, 0, np.zeros(len(self.cells))
-        self.free = names.index("reference.speed") if "reference.speed" in names else None
-        s = np.concatenate([levels_of(self.cells), start])
-        known = self.angle if self.angle >= 0 and self.free is None else None
-        self.regimes = Regimes(library, self.p, self.frame, self.nodes, rtol, s, known)
-        self.watch = Watch(self.regimes, self.phase_kernel, self.p, self.cells)
-        self.stepper = make_stepper(library, method, rtol, self.frame, p, self.nodes.points[1:], self.watch)
-        self.first_energy = self.energy(self.z, self.cells, start)
-        self.extremes = MeshExtremes(library, p, len(self.nodes.points), samples / rate)
+        self.native = native = Native()
+        self.state = native.state
+        self.p = native.share("p", self.clocks.parameters(self.turns))
+        self.frame = Frame(at.x, vibration_scale(library, at, self.p))
+        self.z = native.share("z", np.zeros(len(at.x)))
+        self._lay_out(method, samples, rate)
+        self._set_levels(names)
+        self._set_regimes(signals.at(0.0), self.angle if self.angle >= 0 and "reference.speed" not in names else None)
+        self._set_room(samples, rate)
+        self._bind()
+        watch = Watch(self.regimes, self.phase_kernel, self.p, self.cells)
+        self.stepper = make_stepper(library, method, rtol, self.frame, self.p, self.nodes.points[1:], watch)
+        if self.stepper is not None:
+            self.state.finds_borders = self.stepper.finds_borders
+            native.call_back(self._advance)
+        self.broken: BaseException | None = None
+        self.first_energy = self.energy(self.z, self.cells, signals.at(0.0))
 
-    def _layout(self, method: str, samples: int, rate: float) -> tuple[Nodes, float]:
+    def _lay_out(self, method: str, samples: int, rate: float) -> None:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
         A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
         1e-9 whatever moves. Segments begin with that length, and grow where the fastest modes are at rest. Blocks are
         equally long; explicit methods get nodes between samples that lie far apart, lest they run out of steps.
         """
-        quickest, manifest = fastest(self.library, self.at, self.p), self.library.manifest
-        if not (manifest.levels or manifest.signals or manifest.holds):
+        state, share, manifest = self.state, self.native.share, self.library.manifest
+        quickest = fastest(self.library, self.at, self.p)
+        self.nodes: Nodes
+        if manifest.levels or manifest.signals or manifest.holds:
+            count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
+            self.nodes = nodes = Chebyshev(count)
+            state.longest = min(turn / quickest, CAPACITY / 2 / rate)
+            state.widest = min(LONGEST * state.longest, CAPACITY / 2 / rate)
+            share("last_terms", nodes.last_terms)
+            share("weights", nodes.weights)
+        else:
             finer = max(ceil(quickest / rate / WIDEST), 1) if method in EXPLICIT else 1
             turning = self._reference_speed() / (MOST_TURNS * TURN)
             most = max(1, min(256, int(rate / turning) * finer if turning else 256))
-            blocks = ceil(samples * finer / most)
-            block = ceil(samples * finer / blocks)
-            return Uniform(block), block / finer / rate
-        count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
-        return Chebyshev(count), turn / quickest
+            block = ceil(samples * finer / ceil(samples * finer / most))
+            self.nodes, state.longest, state.uniform = Uniform(block), block / finer / rate, 1
+        state.shortest = state.first = state.longest
+        state.rtol, state.unresolved, state.fresh = self.rtol, UNRESOLVED[method in MULTISTEP] * self.rtol, 1
+        state.n_nodes = len(share("points", self.nodes.points))
+
+    def _set_levels(self, names: list[str]) -> None:
+        """Set the cells of the mesh phases at the start, and what may turn them back."""
+        state, share, kinds = self.state, self.native.share, self.library.manifest.signals
+        state.angle, state.held, state.held_speed = self.angle, self.held is not None, self.held or 0.0
+        state.speed = next((i for i, signal in enumerate(kinds) if signal.name == "reference.speed"), -1)
+        state.free = names.index("reference.speed") if "reference.speed" in names else -1
+        self.phase_kernel = Kernel(self.library.functions["phases"])
+        self.energy_kernel = Kernel(self.library.functions["energy"])
+        self.cells: Cells = share("cells", cells_of(self.phases(self.z, self.signals.at(0.0))))
+        share("last_turn", self.cells)
+        share("heading", np.zeros(len(self.cells)))
+
+    def _set_regimes(self, start: Vector, known: int | None) -> None:
+        """Set the sides of the borders at the start."""
+        share, s = self.native.share, np.concatenate([levels_of(self.cells), start])
+        self.regimes = Regimes(self.library, self.p, self.frame, self.rtol, s, known)
+        self.regimes.sides = share("sides", self.regimes.sides)
+        share("hold_index", self.regimes.index)
+        share("error", self.regimes.error)
+        share("slack", self.regimes.slack)
+        share("fine", self.nodes.matrix(np.arange(FINE + 1) / FINE) if len(self.regimes.index) else np.zeros(0))
+        self.state.held_value = HELD
+
+    def _set_room(self, samples: int, rate: float) -> None:
+        """Give the C its sizes and room to work in."""
+        state, share, manifest = self.state, self.native.share, self.library.manifest
+        n, meshes, holds, nodes = len(self.z), len(manifest.levels), len(manifest.holds), len(self.nodes.points)
+        forces = [i for i, report in enumerate(manifest.reports) if report.quantity == "mesh_force"]
+        state.n, state.n_levels, state.n_signals = n, meshes, len(manifest.signals)
+        state.n_holds, state.n_forces = holds, len(forces)
+        state.capacity, state.last, state.sampling, state.end = CAPACITY, samples, rate, samples / rate
+        state.done = 1
+        share("origin", self.frame.origin)
+        share("scale", self.frame.scale)
+        lowest, steady = np.full(len(forces), np.inf), np.full((2, len(forces)), np.nan)
+        self.extremes = MeshExtremes(share("lowest", lowest), share("steady", steady), state.end / 2)
+        sizes: dict[str, Any] = {
+            **dict.fromkeys(("zeros", "x", "y", "y_after", "trial", "rate", "z_near", "z_far"), n),
+            **dict.fromkeys(("now", "after", "ahead"), 3 * meshes),
+            **dict.fromkeys(("gain", "changed"), meshes),
+            **dict.fromkeys(("s", "s_now", "s_end"), meshes + state.n_signals),
+            **dict.fromkeys(("signals", "signals_knot", "slope", "signals_end"), state.n_signals),
+            **dict.fromkeys(("g_now", "g_start", "g_slope", "g_noise", "new_sides"), holds),
+            **{"node_values": nodes * holds, "fine_values": (FINE + 1) * holds, "node_work": nodes},
+            **{"stages": (STAGES, n), "power": STAGES, "balance": 5, "forces": len(forces), "path": (nodes, n)},
+            **{"sample_x": (CAPACITY, n), "sample_time": CAPACITY, "sample_levels": (CAPACITY, meshes)},
+        }
+        for name, size in sizes.items():
+            share(name, np.zeros(size))
+
+    def _bind(self) -> None:
+        """Give the C the model's functions; where results go that change from call to call, it says itself."""
+        for name, results in (("motion", {}), ("phases", {}), ("borders", {}), ("energy", {0: "balance"})):
+            self.native.bind(name, self.library, results)
+
+    @property
+    def time(self) -> float:
+        """Return the time reached [s]."""
+        return float(self.state.time)
+
+    @property
+    def counts(self) -> Counts:
+        """Return what it has cost so far."""
+        return Counts(**{name: getattr(self.state, name) for name in asdict(Counts())})
 
     def snapshot(self) -> Snapshot:
         """Return all that the march needs to go on as if it had not stopped."""
-        kept = {name: np.array(getattr(self, name)) for name in KEPT}
-        kept |= {f"counts.{name}": np.array(value) for name, value in asdict(self.stepper.counts).items()}
-        kept |= {f"extremes.{name}": getattr(self.extremes, name).copy() for name in ("lowest", "steady")}
-        return kept | {"p": self.p.copy(), "sides": self.regimes.sides, "stepper.last": np.array(self.stepper.last)}
+        kept = {name: self.native.value(name) for name in NAMES["kept"]}
+        last = 0.0 if self.stepper is None else self.stepper.last
+        return kept | {"turns": np.array(self.turns), "stepper.last": np.array(last)}
 
     def restore(self, kept: Snapshot) -> None:
         """Go on from a snapshot."""
-        for name in KEPT:
-            setattr(self, name, _plain(kept[name]))
-        for name in asdict(self.stepper.counts):
-            setattr(self.stepper.counts, name, int(kept[f"counts.{name}"]))
-        for name in ("lowest", "steady"):
-            setattr(self.extremes, name, _plain(kept[f"extremes.{name}"]))
-        self.stepper.last = float(kept["stepper.last"])
-        self.p[:], self.regimes.sides = kept["p"], _plain(kept["sides"])
-        self._renumber()
+        for name in NAMES["kept"]:
+            self.native.assign(name, kept[name])
+        self.turns = int(kept["turns"])
+        if self.stepper is not None:
+            self.stepper.last = float(kept["stepper.last"])
+            for name in ("steps", "rhs", "jacobian", "rejected"):
+                setattr(self.stepper.counts, name, getattr(self.state, name))
 
     def _reference_speed(self) -> float:
         """Return the size of the reference speed at the start [rad/s]."""
@@ -135,124 +225,44 @@ class March:
         balance = self.energy_kernel(self.frame.origin + self.frame.scale * z, s, self.p)[0]
         return float(balance[0] + balance[1] + balance[2])
 
-    def segment(self, left: float) -> tuple[float, Vector, Vector]:
-        """Integrate to the next switching instant or knot, ``left`` seconds at most; return duration, path, levels.
+    def proceed(self, seconds: float = np.inf, segments: int = 1 << 40) -> None:
+        """March on until the samples are complete or fill their room, the leg is over, or so much is done.
 
-        Where nothing switches or bends, the last block of samples is finished even beyond the end.
+        Raises
+        ------
+        RuntimeError
+            If the motion cannot be followed; the state is that of the last segment that could.
         """
+        self._begin_leg()
+        fault = self.native.march(segments, seconds)
+        broken, self.broken = self.broken, None
+        if broken is not None:
+            raise broken
+        if fault:
+            raise RuntimeError(FAULTS[fault])
+
+    def _begin_leg(self) -> None:
+        """Take whole turns off, and tell the C how the load signals run up to their next knot."""
         self._rebase()
-        signals, slope = self.signals.at(self.time), self.signals.rate(self.time)
-        now, knot = self.phases(self.z, signals), self.signals.next_knot(self.time)
-        most = min(self.longest, knot - self.time, left if isinstance(self.nodes, Chebyshev) else self.longest)
-        gain = np.zeros_like(now.rate)
-        self._turn_back(now)
-        if self.speed is not None:
-            gain = (self.phases(self.z, signals + slope * most).rate - now.rate) / most
-            self._stand(now, gain, signals)
-        levels, duration = levels_of(self.cells), most
-        if not self.stepper.finds_borders:
-            duration = min(time_to_border(self.cells, now, gain), most)
-        self.watch.cells = self.cells
-        if duration <= 0:
-            raise RuntimeError("two switching instants of one mesh fall together; check its contact ratio")
-        s = np.concatenate([levels, signals])
-        self._settle(s)
-        arc, cells, sides = self._to_border(duration, now, s, slope)
-        times, duration = arc.duration * self.nodes.points, arc.duration
-        self.extremes.note(
-            self.frame.origin + self.frame.scale * arc.z, self._along(s, times, slope), self.p, self.time + times
-        )
-        self._change(sides)
-        self._pass(duration, knot)
-        self.work, self.z, self.fresh = self.work + float(arc.work[-1]), arc.z[-1].copy(), False
-        self._switch(cells, signals + slope * duration)
-        return duration, arc.z, levels
+        arrays, state = self.native.arrays, self.state
+        state.base, state.knot = self.signals.last_knot(state.time), self.signals.next_knot(state.time)
+        arrays["signals"][:] = self.signals.at(state.base)
+        arrays["slope"][:] = self.signals.rate(state.base)
+        arrays["signals_knot"][:] = self.signals.before(state.knot)
 
-    def _to_border(self, duration: float, now: Phases, s: Vector, slope: Vector) -> tuple[Arc, Cells, Sides]:
-        """Integrate for a duration, or to the first border if that comes before; return cells and sides after it."""
-        aimed, aims = False, 0
-        for _ in range(TRIALS):
-            arc = self._arc(duration, s, slope)
-            if not self._resolved(arc):
-                duration, aimed = self.longest, False
-                continue
-            along = self._along(s, arc.duration * self.nodes.points, slope)
-            after = self.phases(arc.z[-1], self._signals_after(arc.duration, s, slope))
-            cells, part = crossed(self.cells, now, after)
-            if aimed:
-                correction, sides = self.regimes.end(arc, along, aims)
-                aims += 1
-                if correction == 0:
-                    break
-                duration *= 1 + correction
-                continue
-            part = min(part, self._standstill(arc))
-            first, sides = self.regimes.cross(arc, along)
-            if (sides != self.regimes.sides).any():
-                self._change(sides)
-                continue
-            if min(part, first) == 1.0:
-                if arc.duration < duration:  # the engine has met a border
-                    _, sides = self.regimes.end(arc, along, TRIALS)
-                break
-            aimed = first < part
-            duration = arc.duration * min(part, first)  # go back to the segment's start with a shorter one
-        else:
-            raise RuntimeError(f"a switching instant could not be located in {TRIALS} trials")
-        return arc, cells, sides
-
-    def _standstill(self, arc: Arc) -> float:
-        """Return the part of an arc before a free train turns back, so that it comes and goes in arcs of their own."""
-        if self.free is None or not len(self.cells):
-            return 1.0
-        speed = self.frame.origin[self.free] + self.frame.scale[self.free] * arc.z[:, self.free]
-        still = max(STANDING * float(np.abs(speed).max()), self.rtol * self.frame.scale[self.free])
-        back = np.flatnonzero((speed[0] * speed < 0) & (np.abs(speed) > still))
-        if not len(back) or abs(speed[0]) <= still:
-            return 1.0
-        before, after = back[0] - 1, back[0]
-        low, high = self.nodes.points[before], self.nodes.points[after]
-        return float(low + (high - low) * speed[before] / (speed[before] - speed[after]))
-
-    def _turn_back(self, now: Phases) -> None:
-        """Note the cells where a free train has turned back."""
-        heading = np.sign(now.rate)
-        if self.free is not None and (heading * self.heading < 0).any():
-            self.expected += self._passed(now)
-            self.last_turn = self._counted(now)
-        self.heading = np.where(heading == 0, self.heading, heading)
-
-    def _arc(self, duration: float, s: Vector, slope: Vector) -> Arc:
-        """Integrate for a duration with levels and sides held."""
-        arc = self.stepper.advance(self.z, duration, self.frame.origin, s, slope)
-        times = arc.duration * self.nodes.points
-        return Arc(arc.duration, self._on_course(arc.z, times, s[len(self.cells) :], slope), arc.work)
-
-    def _settle(self, s: Vector) -> None:
-        """Bring the regimes in line with the state, and tell the stepper which sides hold."""
-        self._change(self.regimes.settled(self.z, s))
-
-    def _change(self, sides: Sides) -> None:
-        """Go over to other sides of borders."""
-        self.stepper.counts.regimes += int((sides != self.regimes.sides).sum())
-        self.regimes.sides = sides
-        self._renumber()
-
-    def _renumber(self) -> None:
-        """Put the sides that hold into the parameters, and hand these on."""
-        self.regimes.hold(self.p)
-        self.stepper.renumber(self.p)
-
-    def _along(self, s: Vector, times: Vector, slope: Vector) -> Vector:
-        """Return levels and signals at times after the start of an arc, shape (times, n_s)."""
-        return s + np.outer(times, self._rates(slope))
-
-    def _pass(self, duration: float, knot: float) -> None:
-        """Let time pass; what a late time rounds off is kept for the next (Kahan's sum), a knot is met exactly."""
-        before, due = self.time, duration + self.unpassed
-        met = duration == knot - before
-        self.time = knot if met else before + due
-        self.unpassed = 0.0 if met else due - (self.time - before)
+    def _advance(self, duration: float) -> int:
+        """Let the stepper integrate a segment, with levels and sides held; return the number of a fault."""
+        arrays, levels = self.native.arrays, len(self.cells)
+        try:
+            self.stepper.renumber(self.p)
+            arc = self.stepper.advance(self.z, duration, self.frame.origin, arrays["s"], arrays["slope"])
+        except BaseException as error:  # what is raised here must not pass through the C
+            self.broken = error
+            return STOPPED
+        arrays["path"][:], arrays["node_work"][:], self.state.reached = arc.z, arc.work, arc.duration
+        for name in ("steps", "rhs", "jacobian", "rejected"):
+            setattr(self.state, name, getattr(self.stepper.counts, name))
+        return 0
 
     def _rebase(self) -> None:
         """Take whole turns off the reference angle, and whole periods off all that follows it."""
@@ -262,84 +272,18 @@ class March:
             return
         meshes, turns = self.library.manifest.levels, self.turns + more
         gone = 2 * (self.clocks.cycles(meshes, turns) - self.clocks.cycles(meshes, self.turns))
-        self.cells, self.last_turn, self.turns = self.cells - gone, self.last_turn - gone, turns
+        self.cells -= gone
+        self.native.arrays["last_turn"] -= gone
         self.z[angle] -= TURN * more / scale[angle]
         self.p[:] = self.clocks.parameters(turns)
-        self._renumber()
-
-    def _resolved(self, arc: Arc) -> bool:
-        """Say whether a segment's nodes resolve its motion to the tolerance; longer and shorter ones follow from it.
-
-        What a polynomial through the nodes leaves out is about as large as its last terms.
-        """
-        if not isinstance(self.nodes, Chebyshev):
-            return True
-        left_out = np.abs(self.nodes.last_terms @ arc.z).max(axis=0)
-        error = float((left_out / np.maximum(np.abs(arc.z).max(axis=0), 1.0)).max()) / self.unresolved
-        factor = float(np.clip((0.1 / max(error, 1e-12)) ** (1 / len(self.nodes.points)), 0.25, 4.0))
-        resolved = error <= 1.0 or arc.duration <= self.shortest
-        if not resolved:
-            factor = min(factor, 0.5)
-        if not resolved or arc.duration > 0.99 * self.longest:
-            self.longest = float(np.clip(factor * arc.duration, self.shortest, LONGEST * self.shortest))
-            if self.fresh:
-                self.first = self.longest
-        return resolved
-
-    def _signals_after(self, duration: float, s: Vector, slope: Vector) -> Vector:
-        """Return the signals after a duration; at a knot the table's own, so that a standstill is one to the bit."""
-        knot = self.signals.next_knot(self.time)
-        met = duration == knot - self.time
-        return self.signals.before(knot) if met else np.asarray(s[len(self.cells) :] + slope * duration)
-
-    def _rates(self, slope: Vector) -> Vector:
-        """Return the rates of levels and signals."""
-        return np.concatenate([np.zeros(len(self.library.manifest.levels)), slope])
-
-    def _on_course(self, path: Vector, times: Vector, signals: Vector, slope: Vector) -> Vector:
-        """Put in the reference angle, which a held speed makes known: no tolerance then moves a switching."""
-        speed, angle = self.speed, self.angle
-        if speed is not None or self.held is not None:
-            turned = signals[speed] * times + slope[speed] * times**2 / 2 if self.held is None else self.held * times
-            path[:, angle] = path[0, angle] + turned / self.frame.scale[angle]
-        return path
-
-    def _stand(self, now: Phases, gain: Vector, signals: Vector) -> None:
-        """At a standstill, note the cells, and leave those at whose border it stands in the direction ahead."""
-        if now.rate.any():
-            return
-        self.expected += self._passed(now)
-        self.last_turn = self._counted(now)
-        ahead = Phases(now.tau, gain, now.share)
-        cells, _ = crossed(self.cells, ahead, ahead)
-        self.expected += int(np.abs(cells - self.cells).sum())
-        self.last_turn = self.last_turn + cells - self.cells
-        self._switch(cells, signals)
-
-    def _counted(self, now: Phases) -> Cells:
-        """Return the cells by kinematics; on a border that of the march, whether or not it has left its last one."""
-        beside = np.minimum(
-            np.abs(now.tau - lower(self.cells, now.share)), np.abs(now.tau - upper(self.cells, now.share))
-        )
-        turned = (now.rate == 0) | (self.free is not None)
-        return np.where(turned & (beside <= at_border(now)), self.cells, cells_of(now))
-
-    def _passed(self, now: Phases) -> int:
-        """Return the switchings since the last standstill by kinematics."""
-        return int(np.abs(self._counted(now) - self.last_turn).sum())
+        self.regimes.hold(self.p)
+        self.turns = turns
 
     def expected_events(self) -> int:
         """Return the switchings that kinematics calls for: borders between the phases where the train turned back."""
-        return self.expected + self._passed(self.phases(self.z, self.signals.at(self.time)))
-
-    def _switch(self, cells: Cells, signals: Vector) -> None:
-        """Go over to other cells, and book what the stiffness jumps put in."""
-        if (cells != self.cells).any():
-            before = self.energy(self.z, self.cells, signals)
-            self.jump_energy += self.energy(self.z, cells, signals) - before
-            self.stepper.counts.events += int(np.abs(cells - self.cells).sum())
-            self.cells = cells
-            self.longest, self.fresh = min(self.first, self.longest), True
+        now = self.phases(self.z, self.signals.at(self.time))
+        free = self.state.free >= 0
+        return int(self.state.expected) + expected_switchings(now, self.cells, self.native.arrays["last_turn"], free)
 
 
 def held_speed(library: Library, p: Vector) -> float | None:
@@ -347,8 +291,3 @@ def held_speed(library: Library, p: Vector) -> float | None:
     names = [name for name, _ in library.manifest.parameters]
     held = library.manifest.reference == "speed" and "reference.speed" in names
     return float(p[names.index("reference.speed")]) if held else None
-
-
-def _plain(value: NDArray[np.generic]) -> Any:  # noqa: ANN401
-    """Return an array as it was before it was kept: a number, or an array of its own."""
-    return value.copy() if value.ndim else value.item()

@@ -1,4 +1,4 @@
-"""Uniform samples of a march, read off its segments and handed on block by block."""
+"""Uniform samples of a march, handed on block by block."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -62,7 +62,7 @@ class Samples:
         self.march, self.last, self.rate, self.push = march, last, rate, push
         self.done = self.held = 0
         self.waiting: list[Block] = []
-        self._wait(np.zeros(1), march.frame.origin[None, :].copy(), levels_of(march.cells))
+        self._wait(np.zeros(1), march.frame.origin[None, :].copy(), levels_of(march.cells)[None, :])
 
     @property
     def end(self) -> float:
@@ -74,26 +74,24 @@ class Samples:
         """Say whether the last sample is taken."""
         return self.done > self.last
 
-    def take(self, start: float, duration: float, path: Vector, level: Vector) -> None:
-        """Read the samples that lie in a segment, its end included."""
-        end = start + duration * (1 + 1e-12)
-        ahead = np.arange(self.done, min(self.last, int(end * self.rate) + 1) + 1) / self.rate
-        time = ahead[ahead <= end]
-        if not len(time):
+    def take(self) -> None:
+        """Take what the march has sampled."""
+        state, arrays = self.march.state, self.march.native.arrays
+        count, state.filled = state.filled, 0
+        if not count:
             return
-        inside = self.march.nodes.matrix((time - start) / duration)
-        self._wait(time, self.march.frame.origin + self.march.frame.scale * (inside @ path), level)
+        self._wait(*(arrays[f"sample_{name}"][:count].copy() for name in ("time", "x", "levels")))
         if self.held >= BLOCK:
             self.flush()
 
-    def _wait(self, time: Vector, x: Vector, level: Vector) -> None:
+    def _wait(self, time: Vector, x: Vector, levels: Vector) -> None:
         """Keep samples until their block is handed on; the states get the turns that were taken off."""
         march, count = self.march, len(time)
         phi, turns = np.zeros(count), np.full(count, march.turns)
         if march.angle >= 0:
             phi = x[:, march.angle].copy()
             x[:, march.angle] += TURN * march.turns
-        self.waiting.append(Block(time, x, np.tile(level, (count, 1)), march.signals.over(time), phi, turns))
+        self.waiting.append(Block(time, x, levels, march.signals.over(time), phi, turns))
         self.done, self.held = self.done + count, self.held + count
 
     def flush(self) -> None:
@@ -105,4 +103,4 @@ class Samples:
 
     def goto(self, done: int) -> None:
         """Go on after ``done`` samples that were handed on before."""
-        self.done, self.waiting, self.held = done, [], 0
+        self.done, self.march.state.done, self.waiting, self.held = done, done, [], 0

@@ -61,6 +61,11 @@ class Signals:
         i = int(np.searchsorted(self.knots, time, side="right"))
         return float(self.knots[i]) if i < len(self.knots) else float("inf")
 
+    def last_knot(self, time: float) -> float:
+        """Return the last knot up to a time [s]; 0 where there was none."""
+        i = int(np.searchsorted(self.knots, time, side="right"))
+        return float(self.knots[i - 1]) if i else 0.0
+
     def _values(self, time: Vector, side: str) -> Vector:
         """Evaluate all signals, shape (times, signals)."""
         columns = [

@@ -2,7 +2,8 @@
 
 All integrate z with x = x_ref + S z, so that one relative tolerance refers to vibrations and not to how far a
 shaft has turned; CasADi's over the segment's own time 0..1. ``cvodes``, ``idas`` and ``sundae`` run on the compiled
-right-hand side and Jacobian, ``adams`` on the former alone; ``erk`` and ``rosenbrock`` are emitted and compiled whole.
+right-hand side and Jacobian, ``adams`` on the former alone; ``rosenbrock`` is emitted and compiled whole; ``erk`` is
+part of the compiled march (``native/erk.c``).
 """
 
 import ctypes
@@ -29,7 +30,7 @@ from .watch import Watch
 Vector = NDArray[np.float64]
 
 METHODS = {
-    "erk": "explicit Runge-Kutta 5(4), compiled whole",
+    "erk": "explicit Runge-Kutta 5(4), compiled with the march",
     "cvodes": "SUNDIALS CVODES, BDF, on compiled right-hand side and Jacobian",
     "adams": "SUNDIALS CVODES, Adams, on the compiled right-hand side; for tight tolerances without stiffness",
     "idas": "SUNDIALS IDAS, BDF, on compiled right-hand side and Jacobian",
@@ -103,8 +104,8 @@ def check_method(method: str) -> None:
 
 def make_stepper(
     library: Library, method: str, rtol: float, frame: Frame, p: Vector, nodes: Vector, watch: Watch
-) -> Stepper:
-    """Make a stepper.
+) -> Stepper | None:
+    """Make a stepper; None for ``erk``, which the march has in itself.
 
     Parameters
     ----------
@@ -127,11 +128,13 @@ def make_stepper(
         If there is no such method, or its package is not installed.
     """
     check_method(method)
+    if method == "erk":
+        return None
     if method == "sundae":
         from .sundae import SundaeStepper
 
         return SundaeStepper(library, rtol, frame, p, nodes, watch)
-    if method in MULTISTEP or library.path is None:
+    if method in MULTISTEP:
         return _CasadiStepper(library, method, rtol, frame, p, nodes)
     return _WholeStepper(library, method, rtol, frame, p, nodes)
 

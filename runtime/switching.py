@@ -56,35 +56,12 @@ def upper(cells: Cells, share: Vector) -> Vector:
     return lower(cells + 1, share)
 
 
-def time_to_border(cells: Cells, phases: Phases, gain: Vector | float = 0.0) -> float:
-    """Return the time [s] to the next border; infinite where none is reached.
+def expected_switchings(now: Phases, cells: Cells, since: Cells, free: bool) -> int:
+    """Return the switchings from some cells on, by kinematics.
 
-    The rates change by ``gain`` [1/s^2]. Borders are looked for in the present direction, from a standstill
-    in that of the gain: what turns back on its way is to be looked at again from where it turns.
+    On a border the cells of the march count where the train stands, or may turn back (``free``), whether or not it has
+    left its last ones.
     """
-    towards = np.where(phases.rate != 0, np.sign(phases.rate), np.sign(gain))
-    ahead = towards * (np.where(towards > 0, upper(cells, phases.share), lower(cells, phases.share)) - phases.tau)
-    rate = towards * phases.rate
-    square = rate**2 + 2 * towards * gain * ahead
-    reached = (towards != 0) & (square >= 0)
-    if not reached.any():
-        return float("inf")
-    return max(float((2 * ahead[reached] / (rate[reached] + np.sqrt(square[reached]))).min()), 0.0)
-
-
-def crossed(cells: Cells, before: Phases, after: Phases) -> tuple[Cells, float]:
-    """Return the cells after a step, and the part of the step in which the first border is reached.
-
-    The part is 1 unless a phase has gone beyond its border, by linear interpolation then. All phases
-    that stand at a border together (planets in phase) switch together.
-    """
-    near = at_border(after)
-    top, bottom = upper(cells, after.share), lower(cells, after.share)
-    step = ((after.tau >= top - near) & (after.rate > 0)).astype(np.int64)
-    step -= ((after.tau <= bottom + near) & (after.rate < 0)).astype(np.int64)
-    beyond = (after.tau > top + near) | (after.tau < bottom - near)
-    if not beyond.any():
-        return cells + step, 1.0
-    border = np.where(after.tau > top, top, bottom)[beyond]
-    start, end = before.tau[beyond], after.tau[beyond]
-    return cells, float(np.clip((border - start) / (end - start), 0.01, 0.999999999).min())
+    beside = np.minimum(np.abs(now.tau - lower(cells, now.share)), np.abs(now.tau - upper(cells, now.share)))
+    kept = ((now.rate == 0) | free) & (beside <= at_border(now))
+    return int(np.abs(np.where(kept, cells, cells_of(now)) - since).sum())

@@ -1,0 +1,210 @@
+"""Native: the march's C, compiled once for all models, and the one list of what it shares with Python."""
+
+import ctypes
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from ltcgear.generated import store
+from ltcgear.generated.errors import CompileError
+from numpy.typing import NDArray
+
+from .library import Library, load
+
+SOURCES = tuple(Path(__file__).parent / "native" / name for name in (
+    "head.c", "switching.c", "regimes.c", "erk.c", "march.c"
+))  # fmt: skip
+NEEDED = "simulating needs a C compiler, and none was found; install gcc or clang, or name one with CC"
+FAULTS = (
+    "",
+    "a value is not finite",
+    "the step size fell below what the time can tell apart",
+    "too many steps in a segment",
+    "two switching instants of one mesh fall together; check its contact ratio",
+    "a switching instant could not be located",
+    "samples lie beside the nodes of a block that was cut",
+    "an engine stopped",
+)
+"""What ends a march, in the order of the C's enumeration."""
+STOPPED = len(FAULTS) - 1
+
+FIELDS = (
+    # sizes and places
+    *((name, "whole", "fixed") for name in (
+        "n", "n_levels", "n_signals", "n_holds", "n_nodes", "n_forces", "angle", "speed", "free", "held", "uniform",
+        "finds_borders", "last", "capacity",
+    )),
+    *((name, "real", "fixed") for name in (
+        "rtol", "shortest", "widest", "unresolved", "held_speed", "held_value", "end", "sampling",
+    )),
+    *((name, "reals", "fixed") for name in (
+        "origin", "scale", "points", "last_terms", "weights", "fine", "error", "slack", "zeros",
+    )),
+    ("hold_index", "wholes", "fixed"),
+    *((name, "function", "fixed") for name in ("motion", "phases", "borders", "energy")),
+    ("advance", "advance", "fixed"),
+    # the leg: load signals are linear in time from its base to its knot
+    *((name, "real", "leg") for name in ("knot", "base")),
+    *((name, "reals", "leg") for name in ("signals", "signals_knot", "slope")),
+    # what a march remembers from segment to segment
+    *((name, "whole", "kept") for name in (
+        "fresh", "expected", "steps", "rhs", "jacobian", "rejected", "segments", "events", "regimes",
+    )),
+    *((name, "real", "kept") for name in ("time", "unpassed", "work", "jump_energy", "longest", "first", "step")),
+    *((name, "reals", "kept") for name in ("z", "p", "heading", "lowest", "steady")),
+    *((name, "wholes", "kept") for name in ("cells", "last_turn")),
+    ("sides", "bytes", "kept"),
+    # what it hands on, and room to work in
+    *((name, "whole", "passing") for name in ("done", "filled")),
+    ("reached", "real", "passing"),
+    *((name, "reals", "passing") for name in (
+        "s", "path", "node_work", "sample_x", "sample_time", "sample_levels", "x", "y", "y_after", "trial", "stages",
+        "power", "rate", "balance", "forces", "now", "after", "ahead", "gain", "s_now", "s_end", "signals_end", "z_near",
+        "z_far", "g_now", "g_start", "g_slope", "g_noise", "node_values", "fine_values",
+    )),
+    ("changed", "wholes", "passing"),
+    ("new_sides", "bytes", "passing"),
+)  # fmt: skip
+"""Name, kind and role of every field that C and Python share, in the order of both structures."""
+
+NAMES = {role: tuple(name for name, _, of in FIELDS if of == role) for role in ("fixed", "leg", "kept", "passing")}
+"""Role of fields -> their names."""
+KIND = {name: kind for name, kind, _ in FIELDS}
+STAGES, FINE = 7, 64
+"""Stages of the explicit method; intervals of an arc at whose ends indicators are looked at."""
+ADVANCE = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double)
+DTYPES: dict[str, Any] = {"reals": np.float64, "wholes": np.int64, "bytes": np.bool_}
+PREAMBLE = f"""#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define EXPORTED __attribute__((visibility("default")))
+#define STAGES {STAGES}
+#define FINE {FINE}
+
+typedef long long whole;
+typedef int (*generated)(const double **arg, double **res, whole *iw, double *w, int mem);
+typedef struct {{
+  generated run;
+  const double **arg;
+  double **res;
+  whole *iw;
+  double *w;
+}} function;
+"""
+
+
+class Function(ctypes.Structure):
+    """A generated function with the arrays it is bound to."""
+
+    _fields_ = [(name, ctypes.c_void_p) for name in ("run", "arg", "res", "iw", "w")]
+
+
+KINDS: dict[str, tuple[Any, str]] = {
+    "whole": (ctypes.c_longlong, "whole {}"),
+    "real": (ctypes.c_double, "double {}"),
+    "reals": (ctypes.c_void_p, "double *{}"),
+    "wholes": (ctypes.c_void_p, "whole *{}"),
+    "bytes": (ctypes.c_void_p, "unsigned char *{}"),
+    "function": (Function, "function {}"),
+    "advance": (ADVANCE, "int (*{})(double)"),
+}
+"""Kind of a field -> its type in Python, and its declaration in C."""
+
+
+class State(ctypes.Structure):
+    """The structure ``march`` of the C."""
+
+    _fields_ = [(name, KINDS[kind][0]) for name, kind, _ in FIELDS]
+
+
+@cache
+def source() -> str:
+    """Return the march's C."""
+    fields = "\n".join(f"  {KINDS[kind][1].format(name)};" for name, kind, _ in FIELDS)
+    texts = (path.read_text("utf-8") for path in SOURCES)
+    return "\n".join([PREAMBLE, f"typedef struct {{\n{fields}\n}} march;\n", *texts])
+
+
+@cache
+def engine() -> ctypes.CDLL:
+    """Return the compiled march.
+
+    Raises
+    ------
+    CompileError
+        If there is no compiler.
+    """
+    compiler = store.compiler()
+    if compiler is None:
+        raise CompileError(NEEDED)
+    found = load(lambda: store.library(source(), compiler), lambda path: ctypes.CDLL(str(path)))
+    found.ltcgear_march.argtypes = [ctypes.POINTER(State), ctypes.c_longlong, ctypes.c_double]
+    found.ltcgear_pass.argtypes = [ctypes.POINTER(State), ctypes.c_double, ctypes.c_double]
+    found.ltcgear_pass.restype = None
+    return found
+
+
+class Native:
+    """The march's state: scalars in a C structure, arrays of NumPy's that it points to.
+
+    Attributes
+    ----------
+    state
+        The structure.
+    arrays
+        Its arrays by name.
+    """
+
+    def __init__(self) -> None:
+        self.engine, self.state = engine(), State()
+        self.arrays: dict[str, NDArray[Any]] = {}
+        self._bound: list[Any] = []
+
+    def share(self, name: str, values: Any) -> NDArray[Any]:  # noqa: ANN401
+        """Let the C point to an array with these values, and return it; its bytes stay where they are from now on."""
+        array = np.array(values, dtype=DTYPES[KIND[name]], order="C")
+        self.arrays[name] = array
+        setattr(self.state, name, array.ctypes.data)
+        return array
+
+    def value(self, name: str) -> NDArray[Any]:
+        """Return a copy of what a field holds."""
+        return self.arrays[name].copy() if name in self.arrays else np.array(getattr(self.state, name))
+
+    def assign(self, name: str, value: NDArray[Any]) -> None:
+        """Put a value into a field."""
+        if name in self.arrays:
+            self.arrays[name][...] = value
+        else:
+            setattr(self.state, name, value.item())
+
+    def bind(self, name: str, library: Library, results: dict[int, str]) -> None:
+        """Let the C call a generated function, whose results go to arrays that are shared."""
+        if library.path is None:
+            raise CompileError(NEEDED)
+        function: ca.Function = library.functions[name]
+        arrays = [
+            np.zeros(max(size, 4), dtype)
+            for size, dtype in (
+                (function.sz_arg(), np.uint64), (function.sz_res(), np.uint64), (function.sz_iw(), np.int64),
+                (function.sz_w(), np.float64),
+            )
+        ]  # fmt: skip
+        for place, target in results.items():
+            arrays[1][place] = self.arrays[target].ctypes.data
+        code = ctypes.cast(getattr(ctypes.CDLL(str(library.path)), name), ctypes.c_void_p).value
+        self._bound.append(arrays)
+        setattr(self.state, name, Function(code, *(array.ctypes.data for array in arrays)))
+
+    def call_back(self, advance: Any) -> None:  # noqa: ANN401
+        """Let the C integrate by a function of Python's, of a duration [s], which returns the number of a fault."""
+        self.state.advance = ADVANCE(advance)
+
+    def march(self, segments: int, seconds: float) -> int:
+        """March on, see ``native/march.c``; other threads run meanwhile."""
+        return int(self.engine.ltcgear_march(ctypes.byref(self.state), segments, seconds))
