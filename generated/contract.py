@@ -8,6 +8,9 @@ Laws with regimes (teeth that part, races that are reached) have a border each, 
 through zero. With its hold, a parameter, at 0 the state decides on which side they are; a hold of ``HELD`` or
 ``-HELD`` keeps the side of positive or negative g whatever the state, so that what is integrated has no kink.
 
+``motion`` is all that one stage of an integration needs, common parts joined across its results; its forces are
+the reports of quantity ``mesh_force``, in their order.
+
 ============  ===========  ==========================================================
 function      arguments    results
 ============  ===========  ==========================================================
@@ -17,6 +20,7 @@ function      arguments    results
 ``phases``    x, s, p      tau, tau_rate, share
 ``borders``   x, s, p      g, one a hold
 ``energy``    x, s, p      kinetic, strain, weight [J], power put in, power lost [W]
+``motion``    x, s, p      xdot; power put in less power lost [W]; mesh forces [N]
 ============  ===========  ==========================================================
 """
 
@@ -24,12 +28,12 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
-FORMAT = 3
+FORMAT = 4
 HELD = 1e30
 """A force [N] or length [m] beyond all others, with which a regime is held."""
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
-FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "borders", "energy")
+FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "borders", "energy", "motion")
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,15 @@ def functions(equations: Equations) -> dict[str, ca.Function]:
         "phases": _function("phases", [x, s, p], list(equations.phases), ["x", "s", "p"], ["tau", "tau_rate", "share"]),
         "borders": _function("borders", [x, s, p], [equations.borders], ["x", "s", "p"], ["g"]),
         "energy": _function("energy", [x, s, p], [equations.energy], ["x", "s", "p"], ["balance"]),
+        "motion": _function("motion", [x, s, p], _motion(equations), ["x", "s", "p"], ["xdot", "power", "force"]),
     }
+
+
+def _motion(equations: Equations) -> list[ca.SX]:
+    """Return what one stage of an integration needs: xdot, power put in less power lost, mesh forces."""
+    _, _, _, given, lost = ca.vertsplit(equations.energy)
+    meshes = [i for i, report in enumerate(equations.reports) if report.quantity == "mesh_force"]
+    return [equations.xdot, given - lost, ca.vertcat(*(equations.outputs[i] for i in meshes))]
 
 
 def _function(

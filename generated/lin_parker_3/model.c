@@ -35,8 +35,10 @@ extern "C" {
 #define casadi_f3 CASADI_PREFIX(f3)
 #define casadi_f4 CASADI_PREFIX(f4)
 #define casadi_f5 CASADI_PREFIX(f5)
+#define casadi_f6 CASADI_PREFIX(f6)
 #define casadi_s0 CASADI_PREFIX(s0)
 #define casadi_s1 CASADI_PREFIX(s1)
+#define casadi_s10 CASADI_PREFIX(s10)
 #define casadi_s2 CASADI_PREFIX(s2)
 #define casadi_s3 CASADI_PREFIX(s3)
 #define casadi_s4 CASADI_PREFIX(s4)
@@ -44,6 +46,7 @@ extern "C" {
 #define casadi_s6 CASADI_PREFIX(s6)
 #define casadi_s7 CASADI_PREFIX(s7)
 #define casadi_s8 CASADI_PREFIX(s8)
+#define casadi_s9 CASADI_PREFIX(s9)
 #define casadi_sq CASADI_PREFIX(sq)
 
 /* Symbol visibility in DLLs */
@@ -118,6 +121,8 @@ static const casadi_int casadi_s6[45] =
   0, 0, 0, 0, 0};
 static const casadi_int casadi_s7[3] = {85, 1, 1};
 static const casadi_int casadi_s8[3] = {5, 1, 1};
+static const casadi_int casadi_s9[3] = {1, 1, 1};
+static const casadi_int casadi_s10[3] = {6, 1, 1};
 
 /* rhs:(x[36],#s[0],#p[42])->(xdot[36]) */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
@@ -3647,6 +3652,589 @@ CASADI_SYMBOL_EXPORT int energy_work(casadi_int *sz_arg, casadi_int* sz_res, cas
 CASADI_SYMBOL_EXPORT int energy_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
   if (sz_arg) *sz_arg = 3*sizeof(const casadi_real*);
   if (sz_res) *sz_res = 1*sizeof(casadi_real*);
+  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
+  if (sz_w) *sz_w = 0*sizeof(casadi_real);
+  return 0;
+}
+
+/* motion:(x[36],s[0],p[42])->(xdot[36],power,force[6]) */
+static int casadi_f6(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
+  casadi_real a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, a10, a11;
+  casadi_real a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
+  casadi_real a24, a25, a26, a27, a28, a29, a30, a31, a32, a33, a34, a35;
+  casadi_real a36, a37, a38, a39, a40, a41, a42, a43, a44, a45, a46, a47;
+  casadi_real a48, a49, a50;
+  a00=arg[0]? arg[0][18] : 0;
+  if (res[0]!=0) res[0][0]=a00;
+  a00=arg[0]? arg[0][19] : 0;
+  if (res[0]!=0) res[0][1]=a00;
+  a00=arg[0]? arg[0][20] : 0;
+  if (res[0]!=0) res[0][2]=a00;
+  a00=arg[0]? arg[0][21] : 0;
+  if (res[0]!=0) res[0][3]=a00;
+  a00=arg[0]? arg[0][22] : 0;
+  if (res[0]!=0) res[0][4]=a00;
+  a00=arg[0]? arg[0][23] : 0;
+  if (res[0]!=0) res[0][5]=a00;
+  a00=arg[0]? arg[0][24] : 0;
+  if (res[0]!=0) res[0][6]=a00;
+  a00=arg[0]? arg[0][25] : 0;
+  if (res[0]!=0) res[0][7]=a00;
+  a00=arg[0]? arg[0][26] : 0;
+  if (res[0]!=0) res[0][8]=a00;
+  a00=arg[0]? arg[0][27] : 0;
+  if (res[0]!=0) res[0][9]=a00;
+  a00=arg[0]? arg[0][28] : 0;
+  if (res[0]!=0) res[0][10]=a00;
+  a00=arg[0]? arg[0][29] : 0;
+  if (res[0]!=0) res[0][11]=a00;
+  a00=arg[0]? arg[0][30] : 0;
+  if (res[0]!=0) res[0][12]=a00;
+  a00=arg[0]? arg[0][31] : 0;
+  if (res[0]!=0) res[0][13]=a00;
+  a00=arg[0]? arg[0][32] : 0;
+  if (res[0]!=0) res[0][14]=a00;
+  a00=arg[0]? arg[0][33] : 0;
+  if (res[0]!=0) res[0][15]=a00;
+  a00=arg[0]? arg[0][34] : 0;
+  if (res[0]!=0) res[0][16]=a00;
+  a00=arg[0]? arg[0][35] : 0;
+  if (res[0]!=0) res[0][17]=a00;
+  a00=arg[0]? arg[0][9] : 0;
+  a01=arg[2]? arg[2][11] : 0;
+  a00=(a00+a01);
+  a02=arg[0]? arg[0][2] : 0;
+  a03=cos(a02);
+  a04=(a03*a01);
+  a02=sin(a02);
+  a05=arg[2]? arg[2][12] : 0;
+  a06=(a02*a05);
+  a04=(a04-a06);
+  a06=(a00-a04);
+  a07=arg[0]? arg[0][0] : 0;
+  a06=(a06-a07);
+  a08=arg[2]? arg[2][15] : 0;
+  a06=(a06*a08);
+  a09=arg[2]? arg[2][3] : 0;
+  a10=(a07-a09);
+  a11=arg[2]? arg[2][2] : 0;
+  a10=(a10*a11);
+  a10=(a06-a10);
+  a12=arg[0]? arg[0][12] : 0;
+  a13=arg[2]? arg[2][30] : 0;
+  a12=(a12+a13);
+  a14=(a03*a13);
+  a15=arg[2]? arg[2][31] : 0;
+  a16=(a02*a15);
+  a14=(a14-a16);
+  a16=(a12-a14);
+  a16=(a16-a07);
+  a16=(a16*a08);
+  a10=(a10+a16);
+  a17=arg[0]? arg[0][15] : 0;
+  a18=arg[2]? arg[2][36] : 0;
+  a17=(a17+a18);
+  a19=(a03*a18);
+  a20=arg[2]? arg[2][37] : 0;
+  a21=(a02*a20);
+  a19=(a19-a21);
+  a21=(a17-a19);
+  a21=(a21-a07);
+  a21=(a21*a08);
+  a10=(a10+a21);
+  a07=arg[2]? arg[2][0] : 0;
+  a10=(a10/a07);
+  if (res[0]!=0) res[0][18]=a10;
+  a10=arg[0]? arg[0][10] : 0;
+  a10=(a10+a05);
+  a05=(a03*a05);
+  a01=(a02*a01);
+  a05=(a05+a01);
+  a01=(a10-a05);
+  a22=arg[0]? arg[0][1] : 0;
+  a01=(a01-a22);
+  a23=(a01*a08);
+  a24=(a22-a09);
+  a24=(a24*a11);
+  a24=(a23-a24);
+  a11=arg[0]? arg[0][13] : 0;
+  a11=(a11+a15);
+  a15=(a03*a15);
+  a13=(a02*a13);
+  a15=(a15+a13);
+  a13=(a11-a15);
+  a13=(a13-a22);
+  a25=(a13*a08);
+  a24=(a24+a25);
+  a26=arg[0]? arg[0][16] : 0;
+  a26=(a26+a20);
+  a03=(a03*a20);
+  a02=(a02*a18);
+  a03=(a03+a02);
+  a02=(a26-a03);
+  a02=(a02-a22);
+  a22=(a02*a08);
+  a24=(a24+a22);
+  a24=(a24/a07);
+  if (res[0]!=0) res[0][19]=a24;
+  a04=(a04*a01);
+  a04=(a04*a08);
+  a05=(a06*a05);
+  a04=(a04-a05);
+  a14=(a14*a13);
+  a14=(a14*a08);
+  a15=(a16*a15);
+  a14=(a14-a15);
+  a04=(a04+a14);
+  a19=(a19*a02);
+  a19=(a19*a08);
+  a03=(a21*a03);
+  a19=(a19-a03);
+  a04=(a04+a19);
+  a19=arg[2]? arg[2][1] : 0;
+  a04=(a04/a19);
+  if (res[0]!=0) res[0][20]=a04;
+  a04=arg[2]? arg[2][23] : 0;
+  a19=arg[2]? arg[2][24] : 0;
+  a03=(a04-a19);
+  a08=arg[0]? arg[0][3] : 0;
+  a02=(a00-a08);
+  a14=casadi_sq(a02);
+  a15=arg[0]? arg[0][4] : 0;
+  a13=(a10-a15);
+  a05=casadi_sq(a13);
+  a14=(a14+a05);
+  a05=casadi_sq(a03);
+  a01=(a14-a05);
+  a01=sqrt(a01);
+  a24=(a01/a03);
+  a07=atan(a24);
+  a18=arg[2]? arg[2][28] : 0;
+  a07=(a07+a18);
+  a24=(a24-a07);
+  a24=(a03*a24);
+  a07=arg[2]? arg[2][25] : 0;
+  a20=arg[0]? arg[0][5] : 0;
+  a27=arg[2]? arg[2][26] : 0;
+  a28=(a13*a27);
+  a29=arg[2]? arg[2][27] : 0;
+  a30=(a02*a29);
+  a28=(a28-a30);
+  a27=(a02*a27);
+  a29=(a13*a29);
+  a27=(a27+a29);
+  a28=atan2(a28,a27);
+  a27=(a20-a28);
+  a27=(a27*a04);
+  a29=arg[0]? arg[0][11] : 0;
+  a28=(a29-a28);
+  a28=(a19*a28);
+  a27=(a27-a28);
+  a27=(a07*a27);
+  a24=(a24+a27);
+  a27=arg[2]? arg[2][29] : 0;
+  a24=(a24*a27);
+  a14=(a24/a14);
+  a28=(a02*a01);
+  a30=(a03*a07);
+  a31=(a13*a30);
+  a28=(a28+a31);
+  a28=(a14*a28);
+  a31=(a08-a09);
+  a32=arg[2]? arg[2][6] : 0;
+  a31=(a31*a32);
+  a31=(a28-a31);
+  a33=(a12-a08);
+  a34=casadi_sq(a33);
+  a35=(a11-a15);
+  a36=casadi_sq(a35);
+  a34=(a34+a36);
+  a36=(a34-a05);
+  a36=sqrt(a36);
+  a37=(a36/a03);
+  a38=atan(a37);
+  a38=(a38+a18);
+  a37=(a37-a38);
+  a37=(a03*a37);
+  a38=arg[2]? arg[2][34] : 0;
+  a39=(a35*a38);
+  a40=arg[2]? arg[2][35] : 0;
+  a41=(a33*a40);
+  a39=(a39-a41);
+  a38=(a33*a38);
+  a40=(a35*a40);
+  a38=(a38+a40);
+  a39=atan2(a39,a38);
+  a38=(a20-a39);
+  a38=(a38*a04);
+  a40=arg[0]? arg[0][14] : 0;
+  a39=(a40-a39);
+  a39=(a19*a39);
+  a38=(a38-a39);
+  a38=(a07*a38);
+  a37=(a37+a38);
+  a37=(a37*a27);
+  a34=(a37/a34);
+  a38=(a33*a36);
+  a39=(a35*a30);
+  a38=(a38+a39);
+  a38=(a34*a38);
+  a31=(a31+a38);
+  a08=(a17-a08);
+  a39=casadi_sq(a08);
+  a41=(a26-a15);
+  a42=casadi_sq(a41);
+  a39=(a39+a42);
+  a05=(a39-a05);
+  a05=sqrt(a05);
+  a42=(a05/a03);
+  a43=atan(a42);
+  a43=(a43+a18);
+  a42=(a42-a43);
+  a03=(a03*a42);
+  a42=arg[2]? arg[2][40] : 0;
+  a43=(a41*a42);
+  a18=arg[2]? arg[2][41] : 0;
+  a44=(a08*a18);
+  a43=(a43-a44);
+  a42=(a08*a42);
+  a18=(a41*a18);
+  a42=(a42+a18);
+  a43=atan2(a43,a42);
+  a42=(a20-a43);
+  a42=(a42*a04);
+  a18=arg[0]? arg[0][17] : 0;
+  a43=(a18-a43);
+  a43=(a19*a43);
+  a42=(a42-a43);
+  a42=(a07*a42);
+  a03=(a03+a42);
+  a03=(a03*a27);
+  a39=(a03/a39);
+  a27=(a08*a05);
+  a42=(a41*a30);
+  a27=(a27+a42);
+  a27=(a39*a27);
+  a31=(a31+a27);
+  a42=arg[2]? arg[2][4] : 0;
+  a31=(a31/a42);
+  if (res[0]!=0) res[0][21]=a31;
+  a15=(a15-a09);
+  a15=(a15*a32);
+  a02=(a02*a30);
+  a13=(a13*a01);
+  a02=(a02-a13);
+  a14=(a14*a02);
+  a15=(a15+a14);
+  a33=(a33*a30);
+  a35=(a35*a36);
+  a33=(a33-a35);
+  a34=(a34*a33);
+  a15=(a15+a34);
+  a08=(a08*a30);
+  a41=(a41*a05);
+  a08=(a08-a41);
+  a39=(a39*a08);
+  a15=(a15+a39);
+  a15=(a15/a42);
+  a15=(-a15);
+  if (res[0]!=0) res[0][22]=a15;
+  a15=arg[2]? arg[2][7] : 0;
+  a20=(a20*a15);
+  a15=(a24*a07);
+  a42=(a15*a04);
+  a20=(a20+a42);
+  a42=(a37*a07);
+  a08=(a42*a04);
+  a20=(a20+a08);
+  a07=(a03*a07);
+  a04=(a07*a04);
+  a20=(a20+a04);
+  a04=arg[2]? arg[2][5] : 0;
+  a20=(a20/a04);
+  a20=(-a20);
+  if (res[0]!=0) res[0][23]=a20;
+  a20=arg[0]? arg[0][6] : 0;
+  a04=(a20-a09);
+  a08=arg[2]? arg[2][10] : 0;
+  a04=(a04*a08);
+  a41=arg[2]? arg[2][18] : 0;
+  a05=arg[0]? arg[0][8] : 0;
+  a30=arg[0]? arg[0][7] : 0;
+  a10=(a10-a30);
+  a33=arg[2]? arg[2][19] : 0;
+  a35=(a10*a33);
+  a00=(a00-a20);
+  a36=arg[2]? arg[2][20] : 0;
+  a02=(a00*a36);
+  a35=(a35-a02);
+  a33=(a00*a33);
+  a36=(a10*a36);
+  a33=(a33+a36);
+  a35=atan2(a35,a33);
+  a33=(a05-a35);
+  a36=arg[2]? arg[2][16] : 0;
+  a33=(a33*a36);
+  a02=arg[2]? arg[2][17] : 0;
+  a29=(a29-a35);
+  a29=(a02*a29);
+  a33=(a33+a29);
+  a33=(a41*a33);
+  a29=(a36+a02);
+  a35=casadi_sq(a00);
+  a13=casadi_sq(a10);
+  a35=(a35+a13);
+  a13=casadi_sq(a29);
+  a01=(a35-a13);
+  a01=sqrt(a01);
+  a32=(a01/a29);
+  a31=atan(a32);
+  a43=arg[2]? arg[2][21] : 0;
+  a31=(a31+a43);
+  a32=(a32-a31);
+  a32=(a29*a32);
+  a33=(a33-a32);
+  a32=arg[2]? arg[2][22] : 0;
+  a33=(a33*a32);
+  a35=(a33/a35);
+  a31=(a00*a01);
+  a44=(a29*a41);
+  a45=(a10*a44);
+  a31=(a31-a45);
+  a31=(a35*a31);
+  a04=(a04+a31);
+  a11=(a11-a30);
+  a45=arg[2]? arg[2][32] : 0;
+  a46=(a11*a45);
+  a12=(a12-a20);
+  a47=arg[2]? arg[2][33] : 0;
+  a48=(a12*a47);
+  a46=(a46-a48);
+  a45=(a12*a45);
+  a47=(a11*a47);
+  a45=(a45+a47);
+  a46=atan2(a46,a45);
+  a45=(a05-a46);
+  a45=(a45*a36);
+  a40=(a40-a46);
+  a40=(a02*a40);
+  a45=(a45+a40);
+  a45=(a41*a45);
+  a40=casadi_sq(a12);
+  a46=casadi_sq(a11);
+  a40=(a40+a46);
+  a46=(a40-a13);
+  a46=sqrt(a46);
+  a47=(a46/a29);
+  a48=atan(a47);
+  a48=(a48+a43);
+  a47=(a47-a48);
+  a47=(a29*a47);
+  a45=(a45-a47);
+  a45=(a45*a32);
+  a40=(a45/a40);
+  a47=(a12*a46);
+  a48=(a11*a44);
+  a47=(a47-a48);
+  a47=(a40*a47);
+  a04=(a04+a47);
+  a26=(a26-a30);
+  a48=arg[2]? arg[2][38] : 0;
+  a49=(a26*a48);
+  a17=(a17-a20);
+  a20=arg[2]? arg[2][39] : 0;
+  a50=(a17*a20);
+  a49=(a49-a50);
+  a48=(a17*a48);
+  a20=(a26*a20);
+  a48=(a48+a20);
+  a49=atan2(a49,a48);
+  a05=(a05-a49);
+  a05=(a05*a36);
+  a18=(a18-a49);
+  a18=(a02*a18);
+  a05=(a05+a18);
+  a05=(a41*a05);
+  a18=casadi_sq(a17);
+  a49=casadi_sq(a26);
+  a18=(a18+a49);
+  a13=(a18-a13);
+  a13=sqrt(a13);
+  a49=(a13/a29);
+  a48=atan(a49);
+  a48=(a48+a43);
+  a49=(a49-a48);
+  a29=(a29*a49);
+  a05=(a05-a29);
+  a05=(a05*a32);
+  a18=(a05/a18);
+  a32=(a17*a13);
+  a29=(a26*a44);
+  a32=(a32-a29);
+  a32=(a18*a32);
+  a04=(a04+a32);
+  a29=arg[2]? arg[2][8] : 0;
+  a04=(a04/a29);
+  a04=(-a04);
+  if (res[0]!=0) res[0][24]=a04;
+  a30=(a30-a09);
+  a30=(a30*a08);
+  a00=(a00*a44);
+  a10=(a10*a01);
+  a00=(a00+a10);
+  a35=(a35*a00);
+  a30=(a30+a35);
+  a12=(a12*a44);
+  a11=(a11*a46);
+  a12=(a12+a11);
+  a40=(a40*a12);
+  a30=(a30+a40);
+  a17=(a17*a44);
+  a26=(a26*a13);
+  a17=(a17+a26);
+  a18=(a18*a17);
+  a30=(a30+a18);
+  a30=(a30/a29);
+  a30=(-a30);
+  if (res[0]!=0) res[0][25]=a30;
+  a30=(a33*a41);
+  a29=(a30*a36);
+  a17=(a45*a41);
+  a26=(a17*a36);
+  a29=(a29+a26);
+  a41=(a05*a41);
+  a36=(a41*a36);
+  a29=(a29+a36);
+  a36=arg[2]? arg[2][9] : 0;
+  a29=(a29/a36);
+  a29=(-a29);
+  if (res[0]!=0) res[0][26]=a29;
+  a31=(a31-a06);
+  a31=(a31-a28);
+  a28=arg[2]? arg[2][13] : 0;
+  a31=(a31/a28);
+  if (res[0]!=0) res[0][27]=a31;
+  a35=(a35-a23);
+  a35=(a35+a14);
+  a35=(a35/a28);
+  if (res[0]!=0) res[0][28]=a35;
+  a15=(a15*a19);
+  a30=(a30*a02);
+  a15=(a15-a30);
+  a30=arg[2]? arg[2][14] : 0;
+  a15=(a15/a30);
+  if (res[0]!=0) res[0][29]=a15;
+  a47=(a47-a16);
+  a47=(a47-a38);
+  a47=(a47/a28);
+  if (res[0]!=0) res[0][30]=a47;
+  a40=(a40-a25);
+  a40=(a40+a34);
+  a40=(a40/a28);
+  if (res[0]!=0) res[0][31]=a40;
+  a42=(a42*a19);
+  a17=(a17*a02);
+  a42=(a42-a17);
+  a42=(a42/a30);
+  if (res[0]!=0) res[0][32]=a42;
+  a32=(a32-a21);
+  a32=(a32-a27);
+  a32=(a32/a28);
+  if (res[0]!=0) res[0][33]=a32;
+  a18=(a18-a22);
+  a18=(a18+a39);
+  a18=(a18/a28);
+  if (res[0]!=0) res[0][34]=a18;
+  a07=(a07*a19);
+  a41=(a41*a02);
+  a07=(a07-a41);
+  a07=(a07/a30);
+  if (res[0]!=0) res[0][35]=a07;
+  a07=0.;
+  if (res[1]!=0) res[1][0]=a07;
+  if (res[2]!=0) res[2][0]=a33;
+  if (res[2]!=0) res[2][1]=a24;
+  if (res[2]!=0) res[2][2]=a45;
+  if (res[2]!=0) res[2][3]=a37;
+  if (res[2]!=0) res[2][4]=a05;
+  if (res[2]!=0) res[2][5]=a03;
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT int motion(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem){
+  return casadi_f6(arg, res, iw, w, mem);
+}
+
+CASADI_SYMBOL_EXPORT int motion_checkout(void) {
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT void motion_release(int mem) {
+}
+
+CASADI_SYMBOL_EXPORT void motion_incref(void) {
+}
+
+CASADI_SYMBOL_EXPORT void motion_decref(void) {
+}
+
+CASADI_SYMBOL_EXPORT casadi_int motion_n_in(void) { return 3;}
+
+CASADI_SYMBOL_EXPORT casadi_int motion_n_out(void) { return 3;}
+
+CASADI_SYMBOL_EXPORT casadi_real motion_default_in(casadi_int i) {
+  switch (i) {
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const char* motion_name_in(casadi_int i) {
+  switch (i) {
+    case 0: return "x";
+    case 1: return "s";
+    case 2: return "p";
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const char* motion_name_out(casadi_int i) {
+  switch (i) {
+    case 0: return "xdot";
+    case 1: return "power";
+    case 2: return "force";
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const casadi_int* motion_sparsity_in(casadi_int i) {
+  switch (i) {
+    case 0: return casadi_s0;
+    case 1: return casadi_s1;
+    case 2: return casadi_s2;
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT const casadi_int* motion_sparsity_out(casadi_int i) {
+  switch (i) {
+    case 0: return casadi_s0;
+    case 1: return casadi_s9;
+    case 2: return casadi_s10;
+    default: return 0;
+  }
+}
+
+CASADI_SYMBOL_EXPORT int motion_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
+  if (sz_arg) *sz_arg = 3;
+  if (sz_res) *sz_res = 3;
+  if (sz_iw) *sz_iw = 0;
+  if (sz_w) *sz_w = 0;
+  return 0;
+}
+
+CASADI_SYMBOL_EXPORT int motion_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
+  if (sz_arg) *sz_arg = 3*sizeof(const casadi_real*);
+  if (sz_res) *sz_res = 3*sizeof(casadi_real*);
   if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
   if (sz_w) *sz_w = 0*sizeof(casadi_real);
   return 0;
