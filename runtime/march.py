@@ -170,7 +170,9 @@ class March:
             **dict.fromkeys(("signals", "signals_knot", "slope", "signals_end"), state.n_signals),
             **dict.fromkeys(("g_now", "g_start", "g_slope", "g_noise", "new_sides"), holds),
             **{"node_values": nodes * holds, "fine_values": (FINE + 1) * holds, "node_work": nodes},
-            **{"stages": (STAGES, n), "power": STAGES, "balance": 5, "forces": len(forces), "path": (nodes, n)},
+            **{"stages": (STAGES, n), "power": STAGES, "balance": 5, "path": (nodes, n)},
+            **dict.fromkeys(("forces", "arc_lowest"), len(forces)),
+            **dict.fromkeys(("seen_forces", "arc_steady"), (2, len(forces))), "seen_time": 3,
             **{"sample_x": (CAPACITY, n), "sample_time": CAPACITY, "sample_levels": (CAPACITY, meshes)},
         }
         for name, size in sizes.items():

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .library import Library, load
 
 SOURCES = tuple(Path(__file__).parent / "native" / name for name in (
-    "head.c", "switching.c", "regimes.c", "erk.c", "march.c"
+    "head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c"
 ))  # fmt: skip
 NEEDED = "simulating needs a C compiler, and none was found; install gcc or clang, or name one with CC"
 FAULTS = (
@@ -57,11 +57,11 @@ FIELDS = (
     *((name, "wholes", "kept") for name in ("cells", "last_turn")),
     ("sides", "bytes", "kept"),
     # what it hands on, and room to work in
-    *((name, "whole", "passing") for name in ("done", "filled")),
+    *((name, "whole", "passing") for name in ("done", "filled", "seen")),
     ("reached", "real", "passing"),
     *((name, "reals", "passing") for name in (
         "s", "path", "node_work", "sample_x", "sample_time", "sample_levels", "x", "y", "y_after", "trial", "stages",
-        "power", "rate", "balance", "forces", "now", "after", "ahead", "gain", "s_now", "s_end", "signals_end", "z_near",
+        "power", "rate", "balance", "forces", "seen_time", "seen_forces", "arc_lowest", "arc_steady", "now", "after", "ahead", "gain", "s_now", "s_end", "signals_end", "z_near",
         "z_far", "g_now", "g_start", "g_slope", "g_noise", "node_values", "fine_values",
     )),
     ("changed", "wholes", "passing"),

@@ -28,8 +28,9 @@ static const double DENSE[STAGES][4] = {
     {0, 40617522.0 / 29380423, -110615467.0 / 29380423, 69997945.0 / 29380423},
 };
 
-/* Write the rates at a displacement y [own units] and a time after the segment's start, and the power [W]. */
-static int motion_at(march *m, double time, const double *y, double *rate, double *power) {
+/* Write the rates at a displacement y [own units] and a time after the segment's start, the power [W], and the mesh
+ * forces where they are wanted. */
+static int motion_at(march *m, double time, const double *y, double *rate, double *power, double *force) {
   for (whole i = 0; i < m->n; ++i) m->x[i] = m->origin[i] + y[i];
   for (whole i = 0; i < m->n_signals; ++i) {
     whole at = m->n_levels + i;
@@ -37,6 +38,7 @@ static int motion_at(march *m, double time, const double *y, double *rate, doubl
   }
   m->motion.res[0] = rate;
   m->motion.res[1] = power;
+  m->motion.res[2] = force;
   m->rhs += 1;
   return call(&m->motion, m->x, m->s_now, m->p);
 }
@@ -73,7 +75,7 @@ static double added(const double *w, const double *power) {
 static double size_of(const march *m, const double *v, const double *y, const double *other) {
   double sum = 0;
   for (whole i = 0; i < m->n; ++i) {
-    double part = v[i] / (m->rtol * (m->scale[i] + fmax(fabs(y[i]), fabs(other[i]))));
+    double part = v[i] / (m->rtol * (m->scale[i] + larger(fabs(y[i]), fabs(other[i]))));
     sum += part * part;
   }
   return sqrt(sum / (double)m->n);
@@ -83,10 +85,10 @@ static double size_of(const march *m, const double *v, const double *y, const do
 static double first_step(march *m, double duration, const double *y) {
   double *k = m->stages, *other = m->stages + m->n, power, trial = 1e-6 * duration;
   combine(m, 1, (double[]){1}, trial, y, m->trial);
-  if (motion_at(m, trial, m->trial, other, &power)) return 0;
+  if (motion_at(m, trial, m->trial, other, &power, 0)) return 0;
   for (whole i = 0; i < m->n; ++i) other[i] = (other[i] - k[i]) / trial;
   double rate = size_of(m, k, y, y), change = size_of(m, other, y, y);
-  return change > 0 ? fmin(fmax(0.1 * rate / change, trial), duration) : duration;
+  return change > 0 ? smaller(larger(0.1 * rate / change, trial), duration) : duration;
 }
 
 /* Fill the nodes of the path that lie within a step; the last one is the step's end. */
@@ -113,36 +115,39 @@ static int advance_erk(march *m, double duration) {
   memcpy(m->s_now, m->s, (size_t)(m->n_levels + m->n_signals) * sizeof *m->s);
   for (whole i = 0; i < n; ++i) y[i] = m->scale[i] * m->z[i], m->path[i] = m->z[i];
   m->node_work[0] = 0;
-  if (motion_at(m, 0, y, k, power)) return NOT_FINITE;
+  begin_extremes(m);
+  if (motion_at(m, 0, y, k, power, m->forces)) return NOT_FINITE;
+  note_forces(m, 0);
   double step = m->step > 0 ? m->step : first_step(m, duration, y);
   int rejected = 0;
   while (t < duration) {
-    double left = duration - t, parts = ceil(left / step - 1e-3), h = left / fmax(parts, 1);
+    double left = duration - t, parts = ceil(left / step - 1e-3), h = left / larger(parts, 1);
     int last = parts <= 1;
     if (!(h > SMALLEST * duration) || ++steps > MOST_STEPS) return steps > MOST_STEPS ? TOO_MANY : TOO_SMALL;
     for (int j = 1; j < STAGES; ++j) {
-      double *at = j == STAGES - 1 ? after : m->trial;
+      double *at = j == STAGES - 1 ? after : m->trial, *forces = j == STAGES - 1 ? m->forces : 0;
       combine(m, j, A[j], h, y, at);
-      if (motion_at(m, t + NODE[j] * h, at, k + j * n, power + j)) return NOT_FINITE;
+      if (motion_at(m, t + NODE[j] * h, at, k + j * n, power + j, forces)) return NOT_FINITE;
     }
     combine(m, STAGES, MISS, h, m->zeros, m->trial);
     double error = size_of(m, m->trial, y, after);
     if (!(error <= 1)) {
       m->rejected += 1;
       rejected = 1;
-      step = h * (isfinite(error) ? fmax(0.2, 0.9 * pow(error, -0.2)) : 0.1);
+      step = h * (isfinite(error) ? larger(0.2, 0.9 * pow(error, -0.2)) : 0.1);
       continue;
     }
     m->steps += 1;
     node = fill_nodes(m, node, t, h, duration, y, work);
-    double factor = 0.9 * pow(fmax(error, 1e-10), -0.17) * pow(before, 0.04);
-    factor = fmin(rejected ? 1.0 : 5.0, fmax(0.2, factor));
-    before = fmax(error, 1e-4);
+    double factor = 0.9 * pow(larger(error, 1e-10), -0.17) * pow(before, 0.04);
+    factor = smaller(rejected ? 1.0 : 5.0, larger(0.2, factor));
+    before = larger(error, 1e-4);
     rejected = 0;
     /* A step that was shortened to divide what was left says nothing against the longer one. */
     step = h * factor < step && factor >= 1 ? step : h * factor;
     work += h * added(WEIGHT, power);
     t = last ? duration : t + h;
+    note_forces(m, t);
     double *other = y;
     y = after, after = other;
     memcpy(k, k + (STAGES - 1) * n, (size_t)n * sizeof *k);

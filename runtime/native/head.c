@@ -4,6 +4,10 @@
 
 enum { DONE, NOT_FINITE, TOO_SMALL, TOO_MANY, TOGETHER, NOT_LOCATED, BESIDE, STOPPED };
 
+static double larger(double one, double two) { return one > two ? one : two; }
+
+static double smaller(double one, double two) { return one < two ? one : two; }
+
 static double sign(double value) { return (double)((value > 0) - (value < 0)); }
 
 /* Evaluate a generated function of (x, s, p) into the results it is bound to. */
@@ -35,4 +39,10 @@ static int read_path(const march *m, double part, double *z) {
   if (m->uniform) return BESIDE;
   for (whole i = 0; i < m->n; ++i) z[i] /= sum;
   return DONE;
+}
+
+/* Write levels and signals at a time after the segment's start. */
+static void find_signals(march *m, double time, double *out) {
+  for (whole i = 0; i < m->n_levels; ++i) out[i] = m->s[i];
+  for (whole i = 0; i < m->n_signals; ++i) out[m->n_levels + i] = m->s[m->n_levels + i] + m->slope[i] * time;
 }

@@ -21,7 +21,7 @@ static int integrate(march *m, double duration) {
   if (fault) return fault;
   m->segments += 1;
   keep_on_course(m);
-  return DONE;
+  return m->advance ? note_nodes(m) : DONE;
 }
 
 /* Say whether a segment's nodes resolve its motion to the tolerance; longer and shorter ones follow from it. What a
@@ -36,16 +36,16 @@ static int resolves(march *m) {
       double z = m->path[j * n + i];
       one += m->last_terms[j] * z;
       two += m->last_terms[nodes + j] * z;
-      most = fmax(most, fabs(z));
+      most = larger(most, fabs(z));
     }
-    error = fmax(error, fmax(fabs(one), fabs(two)) / most);
+    error = larger(error, larger(fabs(one), fabs(two)) / most);
   }
   error /= m->unresolved;
-  double factor = fmin(fmax(pow(0.1 / fmax(error, 1e-12), 1 / (double)nodes), 0.25), 4.0);
+  double factor = smaller(larger(pow(0.1 / larger(error, 1e-12), 1 / (double)nodes), 0.25), 4.0);
   int resolved = error <= 1.0 || m->reached <= m->shortest;
-  if (!resolved) factor = fmin(factor, 0.5);
+  if (!resolved) factor = smaller(factor, 0.5);
   if (!resolved || m->reached > 0.99 * m->longest) {
-    m->longest = fmin(fmax(factor * m->reached, m->shortest), m->widest);
+    m->longest = smaller(larger(factor * m->reached, m->shortest), m->widest);
     if (m->fresh) m->first = m->longest;
   }
   return resolved;
@@ -56,8 +56,8 @@ static double standstill(const march *m) {
   if (m->free < 0 || !m->n_levels) return 1.0;
   double origin = m->origin[m->free], scale = m->scale[m->free], most = 0, before = 0;
   const double *z = m->path + m->free;
-  for (whole j = 0; j < m->n_nodes; ++j) most = fmax(most, fabs(origin + scale * z[j * m->n]));
-  double still = fmax(STANDING * most, m->rtol * scale), start = origin + scale * z[0];
+  for (whole j = 0; j < m->n_nodes; ++j) most = larger(most, fabs(origin + scale * z[j * m->n]));
+  double still = larger(STANDING * most, m->rtol * scale), start = origin + scale * z[0];
   if (fabs(start) <= still) return 1.0;
   before = start;
   for (whole j = 1; j < m->n_nodes; ++j) {
@@ -91,19 +91,19 @@ static int go_to_border(march *m, double duration) {
       duration *= 1 + correction;
       continue;
     }
-    part = fmin(part, standstill(m));
+    part = smaller(part, standstill(m));
     if ((fault = cross(m, &first, &at_once))) return fault;
     if (at_once) {
       change_sides(m, m->new_sides);
       continue;
     }
-    if (fmin(part, first) == 1.0) {
+    if (smaller(part, first) == 1.0) {
       if (m->reached < duration) return look_at_end(m, TRIALS, &correction); /* the engine has met a border */
       memcpy(m->new_sides, m->sides, (size_t)m->n_holds);
       return DONE;
     }
     aimed = first < part;
-    duration = m->reached * fmin(part, first); /* go back to the segment's start with a shorter one */
+    duration = m->reached * smaller(part, first); /* go back to the segment's start with a shorter one */
   }
   return NOT_LOCATED;
 }
@@ -114,31 +114,6 @@ EXPORTED void ltcgear_pass(march *m, double duration, double knot) {
   int met = duration == knot - before;
   m->time = met ? knot : before + due;
   m->unpassed = met ? 0.0 : due - (m->time - before);
-}
-
-/* Follow the smallest and largest mesh forces at the nodes of the arc. */
-static int note_extremes(march *m) {
-  double power;
-  if (!m->n_forces) return DONE;
-  m->motion.res[0] = m->rate;
-  m->motion.res[1] = &power;
-  m->motion.res[2] = m->forces;
-  int fault = DONE;
-  for (whole j = 0; j < m->n_nodes && !fault; ++j) {
-    double time = m->time + m->points[j] * m->reached;
-    if (time > m->end * (1 + 1e-12)) break;
-    find_signals(m, m->points[j] * m->reached, m->s_now);
-    place(m, m->path + j * m->n);
-    if (call(&m->motion, m->x, m->s_now, m->p)) fault = NOT_FINITE;
-    for (whole i = 0; i < m->n_forces; ++i) {
-      m->lowest[i] = fmin(m->lowest[i], m->forces[i]);
-      if (time < m->end / 2) continue;
-      m->steady[i] = fmin(m->steady[i], m->forces[i]);
-      m->steady[m->n_forces + i] = fmax(m->steady[m->n_forces + i], m->forces[i]);
-    }
-  }
-  m->motion.res[2] = 0;
-  return fault;
 }
 
 /* Read the samples that lie in the arc, its end included. */
@@ -157,8 +132,8 @@ static int take_samples(march *m, double start) {
 /* Go over to the state at the arc's end. */
 static int arrive(march *m) {
   const double start = m->time;
-  int fault = note_extremes(m);
-  if (fault) return fault;
+  int fault;
+  keep_extremes(m);
   change_sides(m, m->new_sides);
   ltcgear_pass(m, m->reached, m->knot);
   m->work += m->node_work[m->n_nodes - 1];
@@ -177,8 +152,8 @@ static int segment(march *m) {
   double *signals = m->s + count, most = m->longest;
   for (whole i = 0; i < m->n_signals; ++i) signals[i] = m->signals[i] + m->slope[i] * (m->time - m->base);
   find_phases(m, m->z, signals, m->now);
-  most = fmin(most, m->knot - m->time);
-  if (!m->uniform) most = fmin(most, m->end - m->time);
+  most = smaller(most, m->knot - m->time);
+  if (!m->uniform) most = smaller(most, m->end - m->time);
   turn_back(m, m->now);
   memset(m->gain, 0, (size_t)count * sizeof *m->gain);
   if (m->speed >= 0) {
@@ -189,7 +164,7 @@ static int segment(march *m) {
   }
   for (whole i = 0; i < count; ++i) m->s[i] = (double)(m->cells[i] & 1);
   double duration = most;
-  if (!m->finds_borders) duration = fmin(ltcgear_time_to_border(count, m->cells, m->now, m->gain), most);
+  if (!m->finds_borders) duration = smaller(ltcgear_time_to_border(count, m->cells, m->now, m->gain), most);
   if (!(duration > 0)) return TOGETHER;
   int fault = settle(m);
   if (!fault) fault = go_to_border(m, duration);

@@ -37,7 +37,7 @@ static void change_sides(march *m, const unsigned char *sides) {
 static void find_noise(march *m, const double *z, double *out) {
   for (whole g = 0; g < m->n_holds; ++g) {
     double most = 0;
-    for (whole i = 0; i < m->n; ++i) most = fmax(most, m->error[i * m->n_holds + g] * fmax(fabs(z[i]), 1.0));
+    for (whole i = 0; i < m->n; ++i) most = larger(most, m->error[i * m->n_holds + g] * larger(fabs(z[i]), 1.0));
     out[g] = NEAR * most;
   }
 }
@@ -49,10 +49,11 @@ static int find_slopes(march *m, const double *z, const double *s, double *out) 
   place(m, z);
   m->motion.res[0] = rate;
   m->motion.res[1] = &power;
+  m->motion.res[2] = 0;
   if (call(&m->motion, m->x, s, m->p)) return NOT_FINITE;
   for (whole i = 0; i < m->n; ++i) {
     rate[i] /= m->scale[i];
-    brief = fmin(brief, fmax(fabs(z[i]), 1.0) / fmax(fabs(rate[i]), 1e-300));
+    brief = smaller(brief, larger(fabs(z[i]), 1.0) / larger(fabs(rate[i]), 1e-300));
   }
   double step = 1e-6 * brief;
   inside(m, z, s, m->g_now);
@@ -79,12 +80,6 @@ static int settle(march *m) {
   }
   change_sides(m, m->new_sides);
   return DONE;
-}
-
-/* Write levels and signals at a time after the segment's start. */
-static void find_signals(march *m, double time, double *out) {
-  for (whole i = 0; i < m->n_levels; ++i) out[i] = m->s[i];
-  for (whole i = 0; i < m->n_signals; ++i) out[m->n_levels + i] = m->s[m->n_levels + i] + m->slope[i] * time;
 }
 
 /* The signed indicator of one border at a part of the arc. */
@@ -124,7 +119,7 @@ static void find_distances(march *m) {
 static double zero_between(march *m, whole g, double low, double high, double one, double two) {
   for (int trial = 0; trial < 200 && high - low > 1e-15 + 1e-14 * low; ++trial) {
     double middle = trial % 3 == 2 ? (low + high) / 2 : (low * two - high * one) / (two - one);
-    middle = fmin(fmax(middle, low), high);
+    middle = smaller(larger(middle, low), high);
     double value = distance_at(m, g, middle);
     if (value >= 0) {
       if (middle == low) break;
@@ -142,7 +137,7 @@ static double first_zero(march *m, whole g, whole row) {
   double part[SPLIT + 1], value[SPLIT + 1];
   int lowest = 0;
   for (int i = 0; i <= SPLIT; ++i) {
-    part[i] = fmin(fmax(((double)(row - 1) + i * 2.0 / SPLIT) / FINE, 0.0), 1.0);
+    part[i] = smaller(larger(((double)(row - 1) + i * 2.0 / SPLIT) / FINE, 0.0), 1.0);
     value[i] = distance_at(m, g, part[i]);
     if (value[i] < value[lowest]) lowest = i;
   }
@@ -167,7 +162,7 @@ static double first_crossing(march *m, int *at_once) {
     }
     if (row < 0) continue;
     double part = first_zero(m, g, row);
-    first = fmin(first, part);
+    first = smaller(first, part);
     /* From a border on which it rested, a motion may leave so slowly that no slope tells. */
     if (near && part <= AT_ONCE) m->new_sides[g] ^= 1, *at_once = 1;
   }
@@ -194,7 +189,7 @@ static int cross(march *m, double *part, int *at_once) {
   if (*at_once) return DONE;
   for (whole i = 0; i < m->n; ++i) {
     m->z_far[i] = 0;
-    for (whole j = 0; j < m->n_nodes; ++j) m->z_far[i] = fmax(m->z_far[i], fabs(m->path[j * m->n + i]));
+    for (whole j = 0; j < m->n_nodes; ++j) m->z_far[i] = larger(m->z_far[i], fabs(m->path[j * m->n + i]));
   }
   find_noise(m, m->z_far, m->g_noise);
   *part = first_crossing(m, at_once);
@@ -221,11 +216,11 @@ static int look_at_end(march *m, whole trial, double *correction) {
   if (which < 0) return DONE;
   find_noise(m, z, m->g_noise);
   for (whole g = 0; g < count; ++g) {
-    double noise = fmax(m->g_noise[g] / m->slack[g], 1.0);
-    m->g_noise[g] = m->slack[g] * pow(noise, fmin((double)trial / PATIENCE, 1.0));
+    double noise = larger(m->g_noise[g] / m->slack[g], 1.0);
+    m->g_noise[g] = m->slack[g] * pow(noise, smaller((double)trial / PATIENCE, 1.0));
   }
   if (fabs(m->g_start[which]) > m->g_noise[which]) {
-    *correction = fmin(fmax(-m->g_start[which] / m->g_slope[which] / m->reached, -0.1), 0.1);
+    *correction = smaller(larger(-m->g_start[which] / m->g_slope[which] / m->reached, -0.1), 0.1);
     return DONE;
   }
   for (whole g = 0; g < count; ++g) m->new_sides[g] ^= m->g_slope[g] < 0 && fabs(m->g_start[g]) <= m->g_noise[g];

@@ -30,9 +30,9 @@ EXPORTED double ltcgear_time_to_border(whole count, const whole *cells, const do
     double border = towards > 0 ? upper(cells[i], share[i]) : lower(cells[i], share[i]);
     double ahead = towards * (border - tau[i]), speed = towards * rate[i];
     double square = speed * speed + 2 * towards * gain[i] * ahead;
-    if (towards != 0 && square >= 0) first = fmin(first, 2 * ahead / (speed + sqrt(square)));
+    if (towards != 0 && square >= 0) first = smaller(first, 2 * ahead / (speed + sqrt(square)));
   }
-  return fmax(first, 0.0);
+  return larger(first, 0.0);
 }
 
 /* Write the cells after a step, and return the part of the step in which the first border is reached: 1 unless a phase
@@ -47,7 +47,7 @@ EXPORTED double ltcgear_crossed(
     changed[i] = cells[i] + (tau[i] >= top - near && rate[i] > 0) - (tau[i] <= bottom + near && rate[i] < 0);
     if (tau[i] > top + near || tau[i] < bottom - near) {
       double border = tau[i] > top ? top : bottom;
-      part = fmin(part, fmin(fmax((border - before[i]) / (tau[i] - before[i]), 0.01), 0.999999999));
+      part = smaller(part, smaller(larger((border - before[i]) / (tau[i] - before[i]), 0.01), 0.999999999));
     }
   }
   if (part < 1.0) memcpy(changed, cells, (size_t)count * sizeof *cells);
@@ -68,7 +68,7 @@ static void find_phases(march *m, const double *z, const double *signals, double
 static whole counted(const march *m, const double *now, whole i) {
   whole count = m->n_levels, cell = m->cells[i];
   double tau = now[i], rate = now[count + i], share = now[2 * count + i];
-  double beside = fmin(fabs(tau - lower(cell, share)), fabs(tau - upper(cell, share)));
+  double beside = smaller(fabs(tau - lower(cell, share)), fabs(tau - upper(cell, share)));
   return (rate == 0 || m->free >= 0) && beside <= at_border(tau) ? cell : cell_of(tau, rate, share);
 }
 
@@ -108,7 +108,7 @@ static void change_cells(march *m, const whole *cells, const double *signals) {
   m->jump_energy += energy_of(m, m->z, cells, signals) - energy_of(m, m->z, m->cells, signals);
   m->events += jumps;
   memcpy(m->cells, cells, (size_t)m->n_levels * sizeof *cells);
-  m->longest = fmin(m->first, m->longest);
+  m->longest = smaller(m->first, m->longest);
   m->fresh = 1;
 }
 
