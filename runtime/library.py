@@ -1,5 +1,6 @@
 """Build: Artifact -> Library, the generated functions ready to call, compiled where there is a compiler."""
 
+import ctypes
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 Loaded = TypeVar("Loaded")
 Vector = NDArray[np.float64]
 UNLOADABLE = (OSError, RuntimeError, AttributeError)
-NO_COMPILER = "no C compiler found: running on CasADi's virtual machine (install gcc or clang for full speed)"
+NO_COMPILER = "no C compiler found: running on CasADi's virtual machine; to simulate, install gcc or clang"
 
 
 @dataclass(frozen=True)
@@ -33,12 +34,17 @@ class Library:
         The shared library, None where the functions run on CasADi's virtual machine.
     functions
         The functions of the contract by name.
+    artifact
+        What it was built from.
+    code
+        The shared library as it was loaded, None where there is none.
     """
 
     manifest: Manifest
     path: Path | None
     functions: dict[str, ca.Function]
     artifact: Artifact
+    code: ctypes.CDLL | None = None
 
     @cached_property
     def graphs(self) -> dict[str, ca.Function]:
@@ -77,8 +83,8 @@ def build(artifact: Artifact) -> Library:
     if compiler is None:
         return Library(artifact.manifest, None, _graphs(artifact), artifact)
     make = partial(store.library, artifact.c, compiler)
-    functions = load(make, external)
-    return Library(artifact.manifest, make(), functions, artifact)
+    functions, code = load(make, lambda path: (external(path), ctypes.CDLL(str(path))))
+    return Library(artifact.manifest, make(), functions, artifact, code)
 
 
 def load(make: Callable[[], Path], loader: Callable[[Path], Loaded]) -> Loaded:

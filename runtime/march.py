@@ -23,6 +23,7 @@ from .nodes import Chebyshev, Nodes, Uniform
 from .regimes import Regimes
 from .scaling import fastest, vibration_scale
 from .signals import Signals
+from . import stepper
 from .stepper import EXPLICIT, MULTISTEP, Counts, make_stepper
 from .switching import Cells, Phases, cells_of, expected_switchings, levels_of
 from .watch import Watch
@@ -157,7 +158,7 @@ class March:
         state.n, state.n_levels, state.n_signals = n, meshes, len(manifest.signals)
         state.n_holds, state.n_forces = holds, len(forces)
         state.capacity, state.last, state.sampling, state.end = CAPACITY, samples, rate, samples / rate
-        state.done = 1
+        state.done, state.most_steps = 1, stepper.MOST_STEPS
         share("origin", self.frame.origin)
         share("scale", self.frame.scale)
         lowest, steady = np.full(len(forces), np.inf), np.full((2, len(forces)), np.nan)
@@ -172,7 +173,8 @@ class March:
             **{"node_values": nodes * holds, "fine_values": (FINE + 1) * holds, "node_work": nodes},
             **{"stages": (STAGES, n), "power": STAGES, "balance": 5, "path": (nodes, n)},
             **dict.fromkeys(("forces", "arc_lowest"), len(forces)),
-            **dict.fromkeys(("seen_forces", "arc_steady"), (2, len(forces))), "seen_time": 3,
+            **dict.fromkeys(("seen_forces", "arc_steady"), (2, len(forces))),
+            "seen_time": 3,
             **{"sample_x": (CAPACITY, n), "sample_time": CAPACITY, "sample_levels": (CAPACITY, meshes)},
         }
         for name, size in sizes.items():

@@ -12,6 +12,7 @@ from ltcgear.generated.errors import CompileError
 from numpy.typing import NDArray
 
 from .library import Library, load
+from .switching import AT_BORDER
 
 SOURCES = tuple(Path(__file__).parent / "native" / name for name in (
     "head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c"
@@ -34,7 +35,7 @@ FIELDS = (
     # sizes and places
     *((name, "whole", "fixed") for name in (
         "n", "n_levels", "n_signals", "n_holds", "n_nodes", "n_forces", "angle", "speed", "free", "held", "uniform",
-        "finds_borders", "last", "capacity",
+        "finds_borders", "last", "capacity", "most_steps",
     )),
     *((name, "real", "fixed") for name in (
         "rtol", "shortest", "widest", "unresolved", "held_speed", "held_value", "end", "sampling",
@@ -85,6 +86,7 @@ PREAMBLE = f"""#include <float.h>
 #define EXPORTED __attribute__((visibility("default")))
 #define STAGES {STAGES}
 #define FINE {FINE}
+#define AT_BORDER {AT_BORDER!r} /* how close to a border [cycles] counts as being there, besides rounding */
 
 typedef long long whole;
 typedef int (*generated)(const double **arg, double **res, whole *iw, double *w, int mem);
@@ -185,7 +187,7 @@ class Native:
 
     def bind(self, name: str, library: Library, results: dict[int, str]) -> None:
         """Let the C call a generated function, whose results go to arrays that are shared."""
-        if library.path is None:
+        if library.code is None:
             raise CompileError(NEEDED)
         function: ca.Function = library.functions[name]
         arrays = [
@@ -197,7 +199,7 @@ class Native:
         ]  # fmt: skip
         for place, target in results.items():
             arrays[1][place] = self.arrays[target].ctypes.data
-        code = ctypes.cast(getattr(ctypes.CDLL(str(library.path)), name), ctypes.c_void_p).value
+        code = ctypes.cast(getattr(library.code, name), ctypes.c_void_p).value
         self._bound.append(arrays)
         setattr(self.state, name, Function(code, *(array.ctypes.data for array in arrays)))
 

@@ -11,7 +11,7 @@ from time import sleep
 
 import pytest
 from ltcgear.generated import store as generated_store
-from ltcgear.runtime import cli, library, present
+from ltcgear.runtime import cli, library, native, present
 from ltcgear.symbolic.scene import shipped_scenes
 
 SHORT = ("--t-end", "0.01")
@@ -467,12 +467,16 @@ def test_a_compiler_that_is_not_there_is_exit_code_3(refused, monkeypatch):
         generated_store.compiler.cache_clear()
 
 
-def test_without_a_compiler_the_virtual_machine_serves(run, monkeypatch):
+def test_without_a_compiler_the_virtual_machine_serves_all_but_simulations(run, monkeypatch):
     monkeypatch.setattr(library.store, "compiler", lambda: None)
-    code, out, err = run("simulate", "psh", "--t-end", "0.002", "--json")
+    native.engine.cache_clear()
+    code, out, err = run("modes", "psh", "--json")
     assert code == 0
-    assert json.loads(out)["engine"] == "CasADi virtual machine"
+    assert json.loads(out)["modes"]
     assert "no C compiler found" in err
+    code, out, err = run("simulate", "psh", "--t-end", "0.002", "--json")
+    assert (code, out) == (3, "")
+    assert err.splitlines()[-1] == f"ltcgear: {native.NEEDED}"
 
 
 # --- the program itself

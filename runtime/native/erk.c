@@ -2,7 +2,6 @@
  * control of Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I, II.4). */
 
 #define SMALLEST 1e-14 /* step over segment below which it gives up */
-#define MOST_STEPS 1000000
 
 static const double NODE[STAGES] = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
 static const double A[STAGES][STAGES - 1] = {
@@ -123,7 +122,8 @@ static int advance_erk(march *m, double duration) {
   while (t < duration) {
     double left = duration - t, parts = ceil(left / step - 1e-3), h = left / larger(parts, 1);
     int last = parts <= 1;
-    if (!(h > SMALLEST * duration) || ++steps > MOST_STEPS) return steps > MOST_STEPS ? TOO_MANY : TOO_SMALL;
+    if (!(h > SMALLEST * duration)) return TOO_SMALL;
+    if (++steps > m->most_steps) return TOO_MANY;
     for (int j = 1; j < STAGES; ++j) {
       double *at = j == STAGES - 1 ? after : m->trial, *forces = j == STAGES - 1 ? m->forces : 0;
       combine(m, j, A[j], h, y, at);

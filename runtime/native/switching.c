@@ -1,8 +1,6 @@
 /* Mesh levels as discrete states: a phase tau is in cell 2 n while n <= tau < n + share (single contact, level 0) and
  * in cell 2 n + 1 until n + 1 (double contact, level 1), eqs 9-11. Phases are three rows: tau, rate, share. */
 
-#define AT_BORDER 1e-9 /* how close to a border [cycles] counts as being there, besides rounding */
-
 static double at_border(double tau) { return AT_BORDER + 16 * DBL_EPSILON * fabs(tau); }
 
 static double lower(whole cell, double share) {

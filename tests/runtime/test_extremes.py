@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.extremes import MeshExtremes
+from ltcgear.runtime.arcs import Arc
 from ltcgear.runtime.kernel import over_time
+from ltcgear.runtime.march import March
+from ltcgear.runtime.signals import Signals
 
 from .models import case
 
@@ -31,20 +33,45 @@ def test_extremes_are_those_of_a_fine_sampling(method):
 
 def test_every_node_counts_but_none_beyond_the_end():
     found = case("psh", 'effects.mesh_stiffness = "mean"')
-    turned = np.array([0.0, 3.0, -1.0, 9.0]) * 1e-5  # before half, its peak, steady, beyond the end
-    states = np.tile(found.at.x, (4, 1))
-    states[:, found.state("psh.output.u")] += turned
+    march = March(found.library, found.p, found.at, "rosenbrock", 1e-6, 257, 257.0, Signals((), {}))
+    state = found.state("psh.output.u")
+    turned = {0.1: 1.0, 0.4: 3.0, 0.9: -1.0, 1.003: 9.0}  # before half, its peak, steady, beyond the end
+
+    def advance(z, duration, origin, s, slope):
+        times = march.time + duration * march.nodes.points
+        path = np.zeros((len(times), len(z)))
+        for time, turn in turned.items():
+            if times[0] <= time <= times[-1]:
+                path[np.searchsorted(times, time), state] = turn
+        return Arc(duration, path, np.zeros(len(times)))
+
+    march.stepper.advance = advance
+    march.proceed(segments=2)
+    assert march.time > 1.0
+    states = np.tile(march.frame.origin, (5, 1))
+    states[1:, state] += march.frame.scale[state] * np.array([*turned.values()])
     rows = [i for i, report in enumerate(found.library.manifest.reports) if report.quantity == "mesh_force"]
     force = over_time(found.library.functions["outputs"], [states, found.at.levels, found.p])[:, rows[0]]
-    extremes = MeshExtremes(found.library, found.p, 4, end=1.0)
-    extremes.note(states, found.at.levels, found.p, np.array([0.1, 0.4, 0.9, 1.1]))
-    assert len(set(force)) == 4
-    assert extremes.lowest[0] == pytest.approx(force[:3].min(), rel=1e-12)
-    assert extremes.steady[:, 0] == pytest.approx(force[2], rel=1e-12)
-    for sign in (1, -1):  # a peak inside a segment, upwards and downwards
-        states[:, found.state("psh.output.u")] = found.at.x[found.state("psh.output.u")] + sign * turned
-        extremes.note(states, found.at.levels, found.p, np.array([0.5, 0.6, 0.7, 2.0]))
-        steady = over_time(found.library.functions["outputs"], [states[:3], found.at.levels, found.p])[:, rows[0]]
-        peak = np.argmax(np.abs(steady - steady[0]))
-        assert peak == 1
-        assert steady[peak] == pytest.approx(extremes.steady[int(steady[peak] > steady[0]), 0], rel=1e-12)
+    assert len(set(force)) == 5
+    assert march.extremes.lowest[0] == pytest.approx(force[:4].min(), rel=1e-12)
+    assert march.extremes.steady[:, 0] == pytest.approx(sorted(force[[0, 3]]), rel=1e-12)
+
+
+def test_a_peak_between_steps_is_that_of_the_parabola():
+    found = case("psh", 'effects.mesh_stiffness = "mean"')
+    march = March(found.library, found.p, found.at, "rosenbrock", 1e-6, 8, 8.0, Signals((), {}))
+    state = found.state("psh.output.u")
+
+    def advance(z, duration, origin, s, slope):
+        times = duration * march.nodes.points
+        path = np.zeros((len(times), len(z)))
+        path[:, state] = (times - 0.8) * (times - 0.55)
+        return Arc(duration, path, np.zeros(len(times)))
+
+    march.stepper.advance = advance
+    march.proceed(segments=1)
+    states = np.tile(march.frame.origin, (2, 1))
+    states[1, state] += march.frame.scale[state] * -(0.125**2)
+    rows = [i for i, report in enumerate(found.library.manifest.reports) if report.quantity == "mesh_force"]
+    force = over_time(found.library.functions["outputs"], [states, found.at.levels, found.p])[:, rows[0]]
+    assert np.abs(march.extremes.steady[:, 0] - force[1]).min() < 1e-9 * np.ptp(force)

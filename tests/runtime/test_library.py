@@ -37,7 +37,7 @@ store._compile = lambda command, c, target: (compiled.append(target), real(comma
 def whole(library):
     n = len(library.manifest.states)
     frame = Frame(np.zeros(n), np.ones(n))
-    stepper = make_stepper(library, "erk", 1e-6, frame, p, np.array([1.0]), None)
+    stepper = make_stepper(library, "rosenbrock", 1e-6, frame, p, np.array([1.0]), None)
     arc = stepper.advance(np.zeros(n), 1e-3, np.zeros(n), np.zeros(len(library.manifest.levels)))
     z = arc.z[1:]
     assert np.isfinite(z).all() and stepper.counts.steps > 0

@@ -81,11 +81,12 @@ def test_sundae_goes_on_past_samples_and_restarts_at_switchings_only():
     march.stepper._restart = lambda *given: (restarts.append(march.time), real(*given))
     instants = set()
     while march.time < 0.1:
-        before = march.stepper.counts.events
-        march.segment(0.1 - march.time)
-        if march.stepper.counts.events > before:
+        before = march.counts.events
+        march.proceed(segments=1)
+        march.state.filled = 0
+        if march.counts.events > before:
             instants.add(march.time)
-    assert march.stepper.counts.segments > len(instants)
+    assert march.counts.segments > len(instants)
     assert len(restarts) <= len(instants) + 1
     assert set(restarts[1:]) <= instants
 
@@ -120,8 +121,9 @@ def test_segments_grow_where_the_fastest_mode_rests():
 def test_a_segment_that_its_nodes_do_not_resolve_is_integrated_again():
     c = case("lsp", 'stages.lsp.ring.bearing.stiffness = "2.6e15 N/m"')
     march = March(c.library, c.p, c.at, "erk", 1e-6, 819, 8192.0, Signals((), {}))
-    march.longest = LONGEST * march.shortest
-    duration, path, _ = march.segment(0.1)
+    march.state.longest = LONGEST * march.state.shortest
+    march.proceed(segments=1)
+    duration, path = march.state.reached, march.native.arrays["path"]
     left_out = np.abs(march.nodes.last_terms @ path).max(axis=0) / np.maximum(np.abs(path).max(axis=0), 1.0)
-    assert march.shortest <= duration < 60 * march.shortest
+    assert march.state.shortest <= duration < 60 * march.state.shortest
     assert left_out.max() <= 1e-6

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.equilibrium import Equilibrium
-from ltcgear.runtime.switching import AT_BORDER, Phases, cells_of, crossed, levels_of, lower, time_to_border, upper
+from ltcgear.runtime.switching import AT_BORDER, Phases, cells_of, levels_of, lower, upper
 
+from .engine import crossed, time_to_border
 from .hand_gearing import contact_ratio
 from .models import TORQUE_DRIVEN, case, run
 
