@@ -128,7 +128,7 @@ class SundaeStepper:
         return (
             self.left is not None
             and self.border != self.now
-            and np.array_equal(z, self.left)
+            and np.allclose(z, self.left, rtol=1e-12, atol=1e-12)  # the march knows a held angle to the last bit
             and np.array_equal(origin, part["origin"])
             and np.array_equal(slope, part["slope"])
             and np.allclose(s, self._signals(self.now), rtol=1e-12, atol=0.0)

@@ -138,7 +138,9 @@ static int advance_erk(march *m, double duration) {
       continue;
     }
     m->steps += 1;
+    whole before_step = node;
     node = fill_nodes(m, node, t, h, duration, y, work);
+    if (node > before_step) steps = 0;
     double factor = 0.9 * pow(larger(error, 1e-10), -0.17) * pow(before, 0.04);
     factor = smaller(rejected ? 1.0 : 5.0, larger(0.2, factor));
     before = larger(error, 1e-4);

@@ -181,11 +181,11 @@ static double clock_now(void) {
  * once), ``segments`` are done or the seconds are up. Returns DONE or a fault. */
 EXPORTED int ltcgear_march(march *m, whole segments, double seconds) {
   double start = clock_now();
-  for (whole i = 0; i < segments; ++i) {
+  for (whole i = 0; i < segments && m->done <= m->last; ++i) {
     int fault = segment(m);
     if (fault) return fault;
     double angle = m->angle < 0 ? 0 : m->origin[m->angle] + m->scale[m->angle] * m->z[m->angle];
-    int over = m->done > m->last || m->time >= m->knot || fabs(angle) >= TURN * (1 - 4 * DBL_EPSILON);
+    int over = m->time >= m->knot || fabs(angle) >= TURN * (1 - 4 * DBL_EPSILON);
     if (over || 2 * m->filled + 4 > m->capacity || clock_now() - start > seconds) return DONE;
   }
   return DONE;
