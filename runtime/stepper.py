@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from .arcs import Arc, Frame
 from .kernel import Kernel
 from .library import Library, load
+from .problem import compiled_problem, layout, scaled_problem
 from .watch import Watch
 
 Vector = NDArray[np.float64]
@@ -47,6 +48,8 @@ OPTIONAL = {"sundae": "sksundae"}
 MOST_STEPS = 1_000_000
 SMALLEST = 1e-10
 """Step, in a segment's own time, below which cvodes gives up; idas has no such option and gets fewer steps."""
+BUFFERED = 1
+"""The memory of a function that its first buffer uses, where CasADi keeps the statistics of its calls."""
 CONSTANT = np.zeros(0)
 """Rates of the load signals of a model that has none."""
 
@@ -139,28 +142,6 @@ def make_stepper(
     return _WholeStepper(library, method, rtol, frame, p, nodes)
 
 
-def layout(library: Library) -> dict[str, int]:
-    """Return the sizes of the parts of an integrator's parameter vector, in order."""
-    n, s, numbers = (library.functions["rhs"].size1_in(i) for i in range(3))
-    signals = len(library.manifest.signals)
-    return {"duration": 1, "rtol": 1, "first": 1, "origin": n, "scale": n, "s": s, "slope": signals, "p": numbers}
-
-
-def scaled_problem(library: Library, functions: dict[str, ca.Function], symbol: Any) -> dict[str, Any]:  # noqa: ANN401
-    """Write the scaled problem with symbols of one kind (SX inlines, MX calls)."""
-    part = {name: symbol.sym(name, size) for name, size in layout(library).items()}
-    z, t = symbol.sym("z", part["scale"].shape[0]), symbol.sym("t")
-    x, s = part["origin"] + part["scale"] * z, part["s"]
-    if library.manifest.signals:
-        s = s + ca.vertcat(np.zeros(len(library.manifest.levels)), part["slope"]) * part["duration"] * t
-    rate = functions["rhs"](x, s, part["p"])
-    balance = functions["energy"](x, s, part["p"])
-    ode, power = part["duration"] * rate / part["scale"], part["duration"] * (balance[3] - balance[4])
-    if symbol is ca.SX:
-        ode, power = ca.cse([ode, power])
-    return {"x": z, "t": t, "p": ca.vertcat(*part.values()), "ode": ode, "quad": power}
-
-
 class _Base:
     """What both kinds share: the parameter vector and the call."""
 
@@ -192,16 +173,12 @@ class _Base:
         """Go on with other parameters."""
         self.part["p"][:] = p
 
-    def _evaluate(self) -> None:
-        """Evaluate the integrator on the buffers; RuntimeError where it fails."""
-        self.kernel.evaluate()
-
     def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
         """Return the motion from z on."""
         self.state[:] = z
         self.part["duration"][:], self.part["origin"][:], self.part["s"][:] = duration, origin, s
         self.part["slope"][:] = slope
-        self._evaluate()
+        self.kernel.evaluate()
         self._count(duration)
         path = self.end.reshape(len(self.nodes), self.size)
         if not np.isfinite(path).all():
@@ -210,7 +187,7 @@ class _Base:
 
 
 class _CasadiStepper(_Base):
-    """An integrator of CasADi's that calls the generated functions one by one."""
+    """An integrator of CasADi's that calls the compiled functions one by one."""
 
     def _make(self) -> ca.Function:
         options: dict[str, Any] = {"reltol": self.rtol, "abstol": self.rtol, "max_num_steps": MOST_STEPS}
@@ -223,24 +200,24 @@ class _CasadiStepper(_Base):
             options["max_num_steps"] = MOST_STEPS // 5
         elif self.method in MULTISTEP:
             options["min_step_size"] = SMALLEST
-        symbol = ca.MX if self.method in MULTISTEP else ca.SX
-        functions = self.library.functions if symbol is ca.MX else self.library.graphs
-        problem = scaled_problem(self.library, functions, symbol)
+        problem = self._problem()
         return ca.integrator("segment", PLUGINS.get(self.method, self.method), problem, 0, self.nodes.tolist(), options)
 
-    def _evaluate(self) -> None:
-        """Call the integrator plainly: its statistics belong to the memory of such a call."""
-        vector = self.kernel.arguments[self.function.index_in("p")]
-        result = self.function(x0=self.state, p=vector)
-        self.end[:] = np.asarray(result["xf"]).ravel(order="F")
-        self.work[:] = np.asarray(result["qf"]).ravel()
+    def _problem(self) -> Any:  # noqa: ANN401
+        """Return the scaled problem as C; without a compiler as a graph, of calls where a Jacobian is called too."""
+        if self.library.path is not None:
+            return compiled_problem(self.library)
+        if self.method in MULTISTEP:
+            return scaled_problem(self.library, self.library.functions, ca.MX)
+        return scaled_problem(self.library, self.library.graphs, ca.SX)
 
     def _count(self, duration: float) -> None:
-        stats = self.function.stats()
+        stats = self.function.stats(BUFFERED)
         self.counts.segments += 1
         self.counts.steps += stats.get("nsteps", stats.get("n_steps", 0))
         self.counts.rhs += stats.get("nfevals", stats.get("n_rhs", 0))
-        self.counts.jacobian += stats.get("n_call_jacF", stats.get("n_jac", 0))
+        # A set-up of the linear solver is a Jacobian: cvodes keeps none; calls are counted over all segments.
+        self.counts.jacobian += stats.get("nlinsetups", stats.get("n_jac", 0))
         self.counts.rejected += stats.get("netfails", stats.get("n_reject", 0))
 
 

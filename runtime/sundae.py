@@ -17,7 +17,8 @@ from sksundae.cvode import CVODE
 from .arcs import Arc, Frame
 from .kernel import Kernel
 from .library import Library
-from .stepper import CONSTANT, MOST_STEPS, Counts, layout, scaled_problem
+from .problem import layout, scaled_problem
+from .stepper import CONSTANT, MOST_STEPS, Counts
 from .watch import Watch
 
 Vector = NDArray[np.float64]
