@@ -10,8 +10,8 @@ from .modes import find_modes
 from .scaling import vibration_scale
 
 Vector = NDArray[np.float64]
-REACH = 3.3
-"""Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Dormand and Prince is stable."""
+REACH = 3.5
+"""Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Tsitouras is stable."""
 MOST_STEPS = 1e9
 """Steps above which a run is refused: more than an hour of the smallest scenes."""
 

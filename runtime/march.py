@@ -5,6 +5,7 @@ and from turn to turn of the reference.
 """
 
 from dataclasses import asdict, replace
+from functools import partial
 from math import ceil
 from typing import Any
 
@@ -24,7 +25,7 @@ from .regimes import Regimes
 from .scaling import fastest, vibration_scale
 from .signals import Signals
 from . import stepper
-from .stepper import EXPLICIT, MULTISTEP, Counts, make_stepper
+from .stepper import EXPLICIT, MULTISTEP, Counts, Stepper, make_stepper
 from .switching import Cells, Phases, cells_of, expected_switchings, levels_of
 from .watch import Watch
 
@@ -96,7 +97,7 @@ class March:
         self.stepper = make_stepper(library, method, rtol, self.frame, self.p, self.nodes.points[1:], watch)
         if self.stepper is not None:
             self.state.finds_borders = self.stepper.finds_borders
-            native.call_back(self._advance)
+            native.call_back(partial(self._advance, self.stepper))
         self.broken: BaseException | None = None
         self.first_energy = self.energy(self.z, self.cells, signals.at(0.0))
 
@@ -254,18 +255,18 @@ class March:
         arrays["slope"][:] = self.signals.rate(state.base)
         arrays["signals_knot"][:] = self.signals.before(state.knot)
 
-    def _advance(self, duration: float) -> int:
-        """Let the stepper integrate a segment, with levels and sides held; return the number of a fault."""
-        arrays, levels = self.native.arrays, len(self.cells)
+    def _advance(self, engine: Stepper, duration: float) -> int:
+        """Let an engine integrate a segment, with levels and sides held; return the number of a fault."""
+        arrays = self.native.arrays
         try:
-            self.stepper.renumber(self.p)
-            arc = self.stepper.advance(self.z, duration, self.frame.origin, arrays["s"], arrays["slope"])
+            engine.renumber(self.p)
+            arc = engine.advance(self.z, duration, self.frame.origin, arrays["s"], arrays["slope"])
         except BaseException as error:  # what is raised here must not pass through the C
             self.broken = error
             return STOPPED
         arrays["path"][:], arrays["node_work"][:], self.state.reached = arc.z, arc.work, arc.duration
         for name in ("steps", "rhs", "jacobian", "rejected"):
-            setattr(self.state, name, getattr(self.stepper.counts, name))
+            setattr(self.state, name, getattr(engine.counts, name))
         return 0
 
     def _rebase(self) -> None:

@@ -14,9 +14,7 @@ from numpy.typing import NDArray
 from .library import Library, load
 from .switching import AT_BORDER
 
-SOURCES = tuple(Path(__file__).parent / "native" / name for name in (
-    "head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c"
-))  # fmt: skip
+SOURCES = ("head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c")
 NEEDED = "simulating needs a C compiler, and none was found; install gcc or clang, or name one with CC"
 FAULTS = (
     "",
@@ -31,45 +29,35 @@ FAULTS = (
 """What ends a march, in the order of the C's enumeration."""
 STOPPED = len(FAULTS) - 1
 
-FIELDS = (
-    # sizes and places
-    *((name, "whole", "fixed") for name in (
-        "n", "n_levels", "n_signals", "n_holds", "n_nodes", "n_forces", "angle", "speed", "free", "held", "uniform",
-        "finds_borders", "last", "capacity", "most_steps",
-    )),
-    *((name, "real", "fixed") for name in (
-        "rtol", "shortest", "widest", "unresolved", "held_speed", "held_value", "end", "sampling",
-    )),
-    *((name, "reals", "fixed") for name in (
-        "origin", "scale", "points", "last_terms", "weights", "fine", "error", "slack", "zeros",
-    )),
-    ("hold_index", "wholes", "fixed"),
-    *((name, "function", "fixed") for name in ("motion", "phases", "borders", "energy")),
-    ("advance", "advance", "fixed"),
+SHARED = (
+    # sizes, places and numbers that stay
+    ("fixed", "whole", "n n_levels n_signals n_holds n_nodes n_forces angle speed free held uniform finds_borders"),
+    ("fixed", "whole", "last capacity most_steps"),
+    ("fixed", "real", "rtol shortest widest unresolved held_speed held_value end sampling"),
+    ("fixed", "reals", "origin scale points last_terms weights fine error slack zeros"),
+    ("fixed", "wholes", "hold_index"),
+    ("fixed", "function", "motion phases borders energy"),
+    ("fixed", "advance", "advance"),
     # the leg: load signals are linear in time from its base to its knot
-    *((name, "real", "leg") for name in ("knot", "base")),
-    *((name, "reals", "leg") for name in ("signals", "signals_knot", "slope")),
+    ("leg", "real", "knot base"),
+    ("leg", "reals", "signals signals_knot slope"),
     # what a march remembers from segment to segment
-    *((name, "whole", "kept") for name in (
-        "fresh", "expected", "steps", "rhs", "jacobian", "rejected", "segments", "events", "regimes",
-    )),
-    *((name, "real", "kept") for name in ("time", "unpassed", "work", "jump_energy", "longest", "first", "step")),
-    *((name, "reals", "kept") for name in ("z", "p", "heading", "lowest", "steady")),
-    *((name, "wholes", "kept") for name in ("cells", "last_turn")),
-    ("sides", "bytes", "kept"),
+    ("kept", "whole", "fresh expected steps rhs jacobian rejected segments events regimes"),
+    ("kept", "real", "time unpassed work jump_energy longest first step"),
+    ("kept", "reals", "z p heading lowest steady"),
+    ("kept", "wholes", "cells last_turn"),
+    ("kept", "bytes", "sides"),
     # what it hands on, and room to work in
-    *((name, "whole", "passing") for name in ("done", "filled", "seen")),
-    ("reached", "real", "passing"),
-    *((name, "reals", "passing") for name in (
-        "s", "path", "node_work", "sample_x", "sample_time", "sample_levels", "x", "y", "y_after", "trial", "stages",
-        "power", "rate", "balance", "forces", "seen_time", "seen_forces", "arc_lowest", "arc_steady", "now", "after", "ahead", "gain", "s_now", "s_end", "signals_end", "z_near",
-        "z_far", "g_now", "g_start", "g_slope", "g_noise", "node_values", "fine_values",
-    )),
-    ("changed", "wholes", "passing"),
-    ("new_sides", "bytes", "passing"),
-)  # fmt: skip
-"""Name, kind and role of every field that C and Python share, in the order of both structures."""
-
+    ("passing", "whole", "done filled seen"),
+    ("passing", "real", "reached"),
+    ("passing", "reals", "sample_x sample_time sample_levels s path node_work x y y_after trial stages power rate"),
+    ("passing", "reals", "balance forces seen_time seen_forces arc_lowest arc_steady now after ahead gain"),
+    ("passing", "reals", "s_now s_end signals_end z_near z_far g_now g_start g_slope g_noise node_values fine_values"),
+    ("passing", "wholes", "changed"),
+    ("passing", "bytes", "new_sides"),
+)
+"""Role, kind and names of all that C and Python share, in the order of both structures."""
+FIELDS = tuple((name, kind, role) for role, kind, names in SHARED for name in names.split())
 NAMES = {role: tuple(name for name, _, of in FIELDS if of == role) for role in ("fixed", "leg", "kept", "passing")}
 """Role of fields -> their names."""
 KIND = {name: kind for name, kind, _ in FIELDS}
@@ -128,7 +116,7 @@ class State(ctypes.Structure):
 def source() -> str:
     """Return the march's C."""
     fields = "\n".join(f"  {KINDS[kind][1].format(name)};" for name, kind, _ in FIELDS)
-    texts = (path.read_text("utf-8") for path in SOURCES)
+    texts = ((Path(__file__).parent / "native" / name).read_text("utf-8") for name in SOURCES)
     return "\n".join([PREAMBLE, f"typedef struct {{\n{fields}\n}} march;\n", *texts])
 
 
