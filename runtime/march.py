@@ -13,6 +13,7 @@ import numpy as np
 from ltcgear.generated.contract import HELD
 from numpy.typing import NDArray
 
+from . import stepper
 from .arcs import Frame
 from .clocks import TURN, Clocks
 from .equilibrium import Equilibrium
@@ -24,7 +25,6 @@ from .nodes import Chebyshev, Nodes, Uniform
 from .regimes import Regimes
 from .scaling import fastest, vibration_scale
 from .signals import Signals
-from . import stepper
 from .stepper import EXPLICIT, MULTISTEP, Counts, Stepper, make_stepper
 from .switching import Cells, Phases, cells_of, expected_switchings, levels_of
 from .watch import Watch
