@@ -18,7 +18,7 @@ import platformdirs
 from .contract import Artifact, Manifest
 from .errors import CompileError, LtcgearError
 
-FLAGS = ("-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-Wall", "-Werror")
+FLAGS = ("-std=c11", "-O3", "-march=native", "-ffp-contract=fast", "-fPIC", "-shared", "-Wall", "-Werror")
 LIBRARIES = ("-lm",)
 PAUSE = 0.01
 SEAL = hashlib.sha256().digest_size
