@@ -9,6 +9,7 @@ from ltcgear.generated.store import digest
 
 from .equations import Equations
 from .model import Model
+from .pointers import look_once
 
 
 def functions(equations: Equations) -> dict[str, ca.Function]:
@@ -63,7 +64,7 @@ def emit(model: Model, equations: Equations) -> Artifact:
         The same text for the same input, whatever the hash seed.
     """
     made = functions(equations)
-    c = _c_text(list(made.values()))
+    c = c_text(list(made.values()))
     serializer = ca.StringSerializer()
     serializer.pack(list(made.values()))
     graphs = serializer.encode()
@@ -75,14 +76,14 @@ def emit(model: Model, equations: Equations) -> Artifact:
     return Artifact(c, manifest, graphs)
 
 
-def _c_text(made: list[ca.Function]) -> str:
+def c_text(made: list[ca.Function]) -> str:
     """Let CasADi write the functions into one C file and return its text."""
     generator = ca.CodeGenerator("model.c", {"verbose": False, "casadi_int": "long long int"})
     for function in made:
         generator.add(function)
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(folder + "/")
-        return Path(folder, "model.c").read_text("utf-8")
+        return look_once(Path(folder, "model.c").read_text("utf-8"))
 
 
 def _signature(function: ca.Function) -> Signature:

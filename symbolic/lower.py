@@ -50,11 +50,26 @@ def lower(expressions: Sequence[sp.Expr], leaves: dict[sp.Symbol, Any]) -> list[
     TypeError
         If an expression holds a function that has no CasADi counterpart here.
     """
-    shared, reduced = sp.cse([sp.sympify(e) for e in expressions], order="none")
-    memory: dict[sp.Basic, Any] = dict(leaves)
+    plain, memory = [sp.sympify(e) for e in expressions], dict[sp.Basic, Any](leaves)
+    named = _angles(plain, memory)
+    shared, reduced = sp.cse([e.xreplace(named) for e in plain], order="none")
     for symbol, expression in shared:
         memory[symbol] = _walk(expression, memory)
     return [_walk(e, memory) for e in reduced]
+
+
+def _angles(expressions: Sequence[sp.Expr], memory: dict[sp.Basic, Any]) -> dict[sp.Basic, sp.Dummy]:
+    """Rebuild the arc tangents by themselves, and return a symbol for each of them and for the sums within.
+
+    All elements of a mesh need the same angle. What ``sympy.cse`` makes of it depends on what stands beside it,
+    and graphs that are written differently are not joined when the elements come together.
+    """
+    angles: set[sp.Basic] = set().union(*(e.atoms(sp.atan) for e in expressions))
+    for angle in sorted(angles, key=sp.default_sort_key):
+        _walk(angle, memory)
+    named = {node: sp.Dummy() for node in memory if node.is_Add or node.is_Pow or node in angles}
+    memory.update([(symbol, memory[node]) for node, symbol in named.items()])
+    return named
 
 
 def _walk(node: sp.Basic, memory: dict[sp.Basic, Any]) -> Any:  # noqa: ANN401

@@ -16,8 +16,8 @@ from .model import Model
 def _sources() -> str:
     """Return the text of everything that decides what is derived from a structure, and whether it may be emitted."""
     here = Path(__file__).parent
-    names = ("emit", "equations", "frames", "joints", "kinematics", "lagrange", "lower", "model", "profiles")
-    paths = [here / f"{name}.py" for name in names]
+    names = ["emit", "equations", "frames", "joints", "kinematics", "lagrange", "lower", "model", "pointers"]
+    paths = [here / f"{name}.py" for name in [*names, "profiles"]]
     paths += [path for folder in ("elements", "checks") for path in sorted((here / folder).glob("*.py"))]
     return "\n".join(path.read_text("utf-8") for path in paths)
 

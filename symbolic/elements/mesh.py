@@ -12,8 +12,15 @@ involute (the exact involute, whose gradient is the unit line of action)
 paper (Wu et al. 2021, eqs 7 and 23)
     :math:`\delta = s r_2\tan(w/r_2) - \sigma (d - d_0)\sin\alpha`
 
-and in both the force on body 2 is :math:`N(\sigma\sin\alpha\,\mathbf e + s\cos\alpha\,\mathbf t)`,
-the torques are :math:`-s r_1 N` and :math:`-\sigma s r_2 N` (eqs 12, 13, 25, 26).
+The angle :math:`\gamma` of the line of centres and the pressure angle come in as
+:math:`\psi = \gamma - s\sigma\alpha`, the angle by which the line of action has turned from where it lies at
+:math:`\alpha = 0`: with :math:`s^2 = 1` and :math:`c\tan\alpha = h = \sqrt{d^2 - c^2}` the involute law is
+
+.. math:: \delta = s\,[r_1(\theta_1-\psi) + \sigma r_2(\theta_2-\psi)] - \sigma (h - c\operatorname{inv}\alpha_0),
+
+one arc tangent for two. In both laws the force on body 2 is
+:math:`N(\sigma\sin\alpha\,\mathbf e + s\cos\alpha\,\mathbf t)`, the torques are :math:`-s r_1 N` and
+:math:`-\sigma s r_2 N` (eqs 12, 13, 25, 26).
 
 A bilateral mesh (the paper's) may pull; a one-flank mesh has :math:`N = k\langle\delta\rangle` and a damper
 that acts in contact only and never makes N negative: teeth push where both :math:`k\delta` and
@@ -44,8 +51,13 @@ class Geometry:
     dy: sp.Expr
     d: sp.Expr
     h: sp.Expr
+    push: tuple[sp.Expr, sp.Expr]
     turned: sp.Expr
-    w: sp.Expr
+    leaning: sp.Expr
+
+    def rolled(self, line: sp.Expr) -> sp.Expr:
+        """Return by how much the gears have rolled on each other against a line that turns by an angle."""
+        return R1 * (ONE.theta - line) + self.sigma * R2 * (TWO.theta - line)
 
     @property
     def alpha(self) -> sp.Expr:
@@ -55,10 +67,7 @@ class Geometry:
     @property
     def normal(self) -> tuple[sp.Expr, sp.Expr]:
         """Return the unit force direction on body 2, with h = d sin(alpha), c = d cos(alpha)."""
-        return (
-            (self.sigma * self.h * self.dx - S * self.c * self.dy) / self.d**2,
-            (self.sigma * self.h * self.dy + S * self.c * self.dx) / self.d**2,
-        )
+        return self.push[0] / self.d**2, self.push[1] / self.d**2
 
     @property
     def along(self) -> tuple[sp.Expr, sp.Expr]:
@@ -83,22 +92,30 @@ UNITS = {
 
 
 def geometry(kind: str) -> Geometry:
-    """Lay out the mesh triangle; the position angle is measured from (e_x, e_y) and never wraps."""
+    """Lay out the mesh triangle.
+
+    Angles are measured from (e_x, e_y), the undeformed line of centres in any basis, so they are small (``turned``)
+    or about a pressure angle (``leaning``), and the arc tangent of a quotient is enough: the denominators,
+    d cos(turned) and s d^2 cos(leaning), keep their signs until one centre has gone round the other by
+    90 deg - alpha. ``push`` is d^2 times the unit force direction on body 2.
+    """
     sigma = SIGN[kind]
     c = R1 + sigma * R2
     dx, dy = TWO.x - ONE.x, TWO.y - ONE.y
     d = sp.sqrt(dx**2 + dy**2)
-    turned = TURN + sp.atan2(EX * dy - EY * dx, EX * dx + EY * dy)
-    w = R1 * (ONE.theta - turned) + sigma * R2 * (TWO.theta - turned)
-    return Geometry(sigma, c, dx, dy, d, sp.sqrt(d**2 - c**2), turned, w)
+    h = sp.sqrt(d**2 - c**2)
+    px, py = sigma * h * dx - S * c * dy, sigma * h * dy + S * c * dx
+    turned = TURN + sp.atan((EX * dy - EY * dx) / (EX * dx + EY * dy))
+    leaning = TURN - sp.atan((EX * px + EY * py) / (EX * py - EY * px))
+    return Geometry(sigma, c, dx, dy, d, h, (px, py), turned, leaning)
 
 
 def deflection(kind: str, law: str) -> sp.Expr:
     """Return the normal composite deflection [m] of one law (see the module's head)."""
     g = geometry(kind)
     if law == "involute":
-        return S * g.w - g.sigma * g.c * (g.h / g.c - g.alpha - INV0)
-    return S * R2 * sp.tan(g.w / R2) - g.sigma * (g.d - D0) * g.h / g.d
+        return S * g.rolled(g.leaning) - g.sigma * (g.h - g.c * INV0)
+    return S * R2 * sp.tan(g.rolled(g.turned) / R2) - g.sigma * (g.d - D0) * g.h / g.d
 
 
 def approach(kind: str) -> sp.Expr:
