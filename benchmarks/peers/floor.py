@@ -1,6 +1,7 @@
 """The hand-written C of the rig: compiled with the flags of the generated C, filled, called and timed."""
 
 import ctypes
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 
@@ -26,8 +27,8 @@ SPRINGS = {
     "input_bearing": "psh.input.bearing", "output_bearing": "psh.output.bearing",
 }  # fmt: skip
 COUPLINGS = ("input_shaft", "lsp_hsp", "hsp_psh", "output_shaft", "flange")
-TIMES, BLOCKS = 2000, 60
-"""Calls in a timed block, and blocks of each side."""
+TIMES, BLOCKS, CALLS = 2000, 60, 300
+"""Calls in a timed block of C, blocks of each side, calls in a block of Python."""
 
 
 def structure(*names: str) -> type[ctypes.Structure]:
@@ -132,3 +133,14 @@ def call_times(rig: Rig, floor: Floor) -> dict[str, list[float]]:
             side()
             found[name].append((perf_counter() - clock) / TIMES)
     return found
+
+
+def python_time(call: Callable[[], object]) -> float:
+    """Return the least time of a call from Python [s]."""
+    found = []
+    for _ in range(20):
+        clock = perf_counter()
+        for _ in range(CALLS):
+            call()
+        found.append((perf_counter() - clock) / CALLS)
+    return min(found)

@@ -14,11 +14,11 @@ import sympy as sp
 from numpy.typing import NDArray
 from sympy.physics import mechanics as me
 
+from .floor import python_time
 from .rig import Rig, disagreement
 from .stage import PLANETS, open_stage
 
 Vector = NDArray[np.float64]
-CALLS = 300
 NUMBERS = {
     "m_R": "lsp.ring.mass", "m_S": "lsp.sun.mass", "I_S": "lsp.sun.inertia", "m_P": "lsp.planet.mass",
     "I_P": "lsp.planet.inertia", "k_R": "lsp.ring.bearing.stiffness", "c_R": "lsp.ring.bearing.damping",
@@ -142,18 +142,6 @@ class PydyRate:
         return np.concatenate([[self.speed], moved, rates[len(self.ratio) :]])
 
 
-def call_time(rate: PydyRate, x: Vector) -> float:
-    """Return the least time of one call from Python [s]."""
-    state, given = rate.state(x)
-    found = []
-    for _ in range(20):
-        clock = perf_counter()
-        for _ in range(CALLS):
-            rate.function(state, 0.0, given, rate.constants)
-        found.append((perf_counter() - clock) / CALLS)
-    return min(found)
-
-
 def main() -> None:
     """Derive, generate, check, time, print."""
     clock = perf_counter()
@@ -163,9 +151,11 @@ def main() -> None:
     generated = perf_counter()
     stage = open_stage()
     rate = PydyRate(stage, function)
+    state, forced = rate.state(stage.at.x)
+    call = python_time(lambda: function(state, 0.0, forced, rate.constants))
     found = {
         "derive": derived - clock, "generate_and_compile": generated - derived,
-        "disagreement": disagreement(stage, rate), "call": call_time(rate, stage.at.x),
+        "disagreement": disagreement(stage, rate), "call": call,
     }  # fmt: skip
     print(json.dumps(found))
 

@@ -9,18 +9,17 @@ from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.kernel import Kernel, over_time
 from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.scaling import vibration_scale
-from ltcgear.runtime.switching import cells_of, levels_of, upper
+from ltcgear.runtime.switching import Phases, cells_of, levels_of, upper
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
 from numpy.typing import NDArray
 
-from ltcgear.runtime.switching import Phases
-
 Vector = NDArray[np.float64]
 Rate = Callable[[Vector, Vector], Vector]
 """A right-hand side: (x, levels) to x', of a vector that lasts until the next call."""
-SCENE, T_END, SAMPLES = "rig-2mw", 0.05, 400
+SCENE, T_END, RATE = "rig-2mw", 0.05, 8000.0
+"""Scene, time that is simulated [s], samples a second [Hz]."""
 TOGETHER = 1e-12
 """Switching instants [s] closer than this are one."""
 AGREES = 1e-9
@@ -53,7 +52,7 @@ class Rig:
     @cached_property
     def times(self) -> Vector:
         """Return the instants [s] that are compared."""
-        return np.arange(SAMPLES + 1) * (T_END / SAMPLES)
+        return np.arange(round(T_END * RATE) + 1) / RATE
 
     @cached_property
     def segments(self) -> tuple[Segment, ...]:
@@ -75,10 +74,11 @@ class Rig:
         return y[:, [i for i, r in enumerate(self.library.manifest.reports) if r.quantity == "mesh_force"]]
 
     def _place(self) -> NDArray[np.int64]:
-        """Return the segment that each compared instant is read in: the one that it ends where it stands on a border."""
+        """Return the segment that each compared instant lies in: on a border, the one that ends there."""
         ends = np.array([segment.end for segment in self.segments])
         return np.searchsorted(ends, self.times - TOGETHER)
 
+    @cached_property
     def inside(self) -> list[NDArray[np.int64]]:
         """Return the compared instants of each segment, those after the start."""
         place = self._place()

@@ -4,6 +4,7 @@ All integrate y = x - x_eq with the tolerance of ``ltcgear``: rtol, and rtol tim
 methods begin each segment with the longest step of the last one; for LSODA that has been tried and gains nothing.
 """
 
+from bisect import bisect_right
 from collections.abc import Callable
 from typing import Any
 
@@ -12,7 +13,7 @@ from ltcgear.runtime.kernel import Kernel
 from numpy.typing import NDArray
 from scipy import integrate
 
-from .rig import Rate, Rig, Segment
+from .rig import T_END, Rate, Rig, Segment
 
 Vector = NDArray[np.float64]
 Path = tuple[Vector, Vector]
@@ -66,17 +67,25 @@ class Restarted:
         The rig and a right-hand side of it.
     jacobian
         d x' / d x, or None where the solver is to find it by differences.
+    restarts
+        Whether it is restarted; if not, it integrates over the jumps, and every call looks up the levels.
     """
 
-    def __init__(self, rig: Rig, rate: Rate, jacobian: Callable[[Vector, Vector], Vector] | None = None) -> None:
+    def __init__(
+        self, rig: Rig, rate: Rate, jacobian: Callable[[Vector, Vector], Vector] | None = None, restarts: bool = True
+    ) -> None:
         self.rig, self.rate, self.jacobian = rig, rate, jacobian
         self.levels, self.x, self.calls = rig.at.levels, np.zeros(len(rig.at.x)), 0
+        self.plan = list(zip(rig.segments, rig.inside, strict=True))
+        self.ends = [] if restarts else [segment.end for segment in rig.segments[:-1]]
+        if not restarts:
+            self.plan = [(Segment(0.0, T_END, rig.segments[0].levels), np.arange(1, len(rig.times)))]
 
     def run(self, rtol: float) -> Vector:
         """Return the states at the rig's times, shape (times, n)."""
         rig, self.rtol, self.atol, self.step, self.calls = self.rig, rtol, rtol * self.rig.scale, 0.0, 0
         found, y = np.zeros((len(rig.times), len(rig.at.x))), np.zeros(len(rig.at.x))
-        for segment, inside in zip(rig.segments, rig.inside(), strict=True):
+        for segment, inside in self.plan:
             self.levels = segment.levels
             found[inside], y = self.advance(segment, y, rig.times[inside])
         return found + rig.at.x
@@ -88,19 +97,23 @@ class Restarted:
     def f(self, t: float, y: Vector) -> Vector:
         """Return y'; a fresh array, since solvers keep what they are given."""
         self.calls += 1
-        return self.rate(np.add(y, self.rig.at.x, out=self.x), self.levels).copy()
+        return self.rate(np.add(y, self.rig.at.x, out=self.x), self.levels_at(t)).copy()
+
+    def levels_at(self, t: float) -> Vector:
+        """Return the mesh levels: the segment's, or those at an instant if there are no restarts."""
+        return self.rig.segments[bisect_right(self.ends, t)].levels if self.ends else self.levels
 
     def jac(self, t: float, y: Vector) -> Vector:
         """Return d y' / d y."""
         assert self.jacobian is not None
-        return self.jacobian(y + self.rig.at.x, self.levels)
+        return self.jacobian(y + self.rig.at.x, self.levels_at(t))
 
 
 class Stepwise(Restarted):
     """SciPy's solver classes in NumPy: DOP853, Radau."""
 
-    def __init__(self, method: Any, *given: Any) -> None:  # noqa: ANN401
-        super().__init__(*given)
+    def __init__(self, method: Any, *given: Any, **options: Any) -> None:  # noqa: ANN401
+        super().__init__(*given, **options)
         self.method = method
 
     def advance(self, segment: Segment, y: Vector, times: Vector) -> Path:
@@ -144,8 +157,8 @@ class Odeint(Restarted):
 class Sundae(Restarted):
     """CVODE by scikit-sundae, as its manual uses it: one solver, begun anew at every switching instant."""
 
-    def __init__(self, method: str, *given: Any) -> None:  # noqa: ANN401
-        super().__init__(*given)
+    def __init__(self, method: str, *given: Any, **options: Any) -> None:  # noqa: ANN401
+        super().__init__(*given, **options)
         self.method = method
 
     def run(self, rtol: float) -> Vector:
@@ -172,7 +185,7 @@ class Sundae(Restarted):
     def _rate(self, t: float, y: Vector, rate: Vector) -> None:
         """Write y'."""
         self.calls += 1
-        rate[:] = self.rate(np.add(y, self.rig.at.x, out=self.x), self.levels)
+        rate[:] = self.rate(np.add(y, self.rig.at.x, out=self.x), self.levels_at(t))
 
     def _jacobian(self, t: float, y: Vector, rate: Vector, matrix: Vector) -> None:
         """Write d y' / d y."""
