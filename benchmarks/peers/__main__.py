@@ -9,6 +9,7 @@ import sys
 import tempfile
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -25,6 +26,8 @@ from .solvers import our_rate
 from .stage import open_stage
 
 PARTS = ("numpy", "scipy", "sundae", "exudyn", "pydy")
+MODULES = {"sundae": ("sksundae",), "exudyn": ("exudyn",), "pydy": ("pydy", "Cython")}
+"""What is imported for a part and is not always installed."""
 PACKAGES = ("casadi", "sympy", "numpy", "scipy", "scikit-sundae", "exudyn", "pydy", "cython")
 PATIENCE = 600
 """Seconds after which PyDy is stopped."""
@@ -51,10 +54,11 @@ def checked(checks: dict[str, float], name: str, rig: Rig, rate: Rate) -> None:
 def measure_rig(parts: set[str], checks: dict[str, float]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Check and time what runs the rig; return the race and the times of one call."""
     rig = open_rig()
-    floor, rate = Floor(rig), NumpyRig(rig)
-    checked(checks, "hand-written C", rig, floor)
+    floors, rate = {name: Floor(rig, merged) for name, merged in (("written", False), ("merged", True))}, NumpyRig(rig)
+    for name, floor in floors.items():
+        checked(checks, f"hand-written C, {page.WRITTEN[name]}", rig, floor)
     checked(checks, "NumPy", rig, rate)
-    loops = {name: {"min": min(t), "median": median(t)} for name, t in call_times(rig, floor).items()}
+    loops = {name: {"min": min(t), "median": median(t)} for name, t in call_times(rig, floors).items()}
     x, levels = rig.at.x, rig.at.levels
     ours = our_rate(rig)
     python = {"numpy": python_time(lambda: rate(x, levels)), "generated": python_time(lambda: ours(x, levels))}
@@ -73,13 +77,13 @@ def measure_rig(parts: set[str], checks: dict[str, float]) -> tuple[dict[str, An
     return found, {"loop": loops, "python": python}
 
 
-def measure_stage(checks: dict[str, float]) -> dict[str, Any]:
+def measure_stage(checks: dict[str, float], torsional: bool) -> dict[str, Any]:
     """Check and time Exudyn on the stage, beside ours."""
-    from .exudyn_stage import ExudynStage
+    from .exudyn_stage import Lateral, Torsional
 
-    rig = open_stage()
-    peer = ExudynStage(rig)
-    checked(checks, runners.EXUDYN, rig, peer)
+    rig = open_stage(torsional)
+    peer = (Torsional if torsional else Lateral)(rig)
+    checked(checks, f"{runners.EXUDYN}, {'torsional' if torsional else 'lateral'}", rig, peer)
     after, torque = runners.struck(rig)
     one, two = runners.references(after)
     reference = after.forces(one)
@@ -142,7 +146,11 @@ def chosen() -> set[str]:
     parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, help="measure these only")
     parser.add_argument("--without", nargs="+", choices=PARTS, default=(), help="leave these out")
     given = parser.parse_args()
-    return set(given.only) - set(given.without)
+    parts = set(given.only) - set(given.without)
+    missing = {part: name for part in parts for name in MODULES.get(part, ()) if find_spec(name) is None}
+    for part, name in missing.items():
+        raise LtcgearError(f"{name} is not installed: pip install 'ltcgear[peers]', or --without {part}")
+    return parts
 
 
 def main() -> None:
@@ -154,7 +162,7 @@ def main() -> None:
     data["rig"], data["calls"] = measure_rig(parts, checks)
     if "exudyn" in parts:
         told("the stage by Exudyn")
-        data["stage"] = measure_stage(checks)
+        data["stage"], data["torsion"] = (measure_stage(checks, torsional) for torsional in (False, True))
     if "pydy" in parts:
         told("the stage by PyDy")
         data["making"] = measure_making(checks)

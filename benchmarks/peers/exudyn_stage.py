@@ -1,8 +1,8 @@
 """The stage by Exudyn, of its own objects: bodies, spring-dampers, and meshes as expressions it evaluates in C++.
 
 Exudyn has no involute mesh between bodies that shift. Each mesh is an ``ObjectGenericODE2`` without mass on the nodes
-of its two gears, whose force is a *symbolic* user function: recorded once, evaluated without Python. Angles are counted
-from the rigid motion, positions from the nominal ones.
+of its two gears, whose force is a *symbolic* user function: recorded once, evaluated without Python. Where gears only
+turn, a connector of its own is a mesh. Angles are counted from the rigid motion, positions from the nominal ones.
 """
 
 from time import perf_counter
@@ -18,7 +18,7 @@ from .rig import RATE, T_END, Rig
 from .stage import PLANETS
 
 Vector = NDArray[np.float64]
-SOLVERS = {"RK44": (1, 2, 4, 8), "RK67": (1, 2, 4), "TrapezoidalIndex2": (8, 32, 64)}
+SOLVERS: dict[str, tuple[float, ...]] = {"RK44": (1, 2, 4, 8), "RK67": (1, 2, 4), "TrapezoidalIndex2": (8, 32, 64)}
 """Exudyn's solvers, and the steps between two samples to be tried."""
 FORCE = "ObjectGenericODE2,forceUserFunction"
 
@@ -63,18 +63,17 @@ def record(mbs: Any, function: Any, size: int) -> Any:  # noqa: ANN401
     return found, recorded
 
 
-class ExudynStage:
-    """The stage as a system of Exudyn."""
+class System:
+    """A stage as a system of Exudyn, with its states in our order; how it is built, the derived ones say."""
 
     def __init__(self, rig: Rig) -> None:
-        self.rig, self.kept = rig, []
-        exu.config.suppressWarnings = True
+        self.rig = rig
+        self.kept: list[Any] = []
+        self.nodes: dict[str, Any] = {}
+        exu.SetWriteToConsole(False)  # it warns on stdout of memory that expressions take
         self.container = exu.SystemContainer()
         self.mbs = self.container.AddSystem()
-        self.ground = self.mbs.AddObject(itemInterface.ObjectGround())
-        self.nodes: dict[str, Any] = {}
-        self._add_bodies()
-        self._add_meshes()
+        self.build()
         kinds, options = exu.OutputVariableType, {"storeInternal": True, "writeToFile": False}
         self.sensors = [
             self.mbs.AddSensor(itemInterface.SensorNode(nodeNumber=node, outputVariableType=kind, **options))
@@ -83,44 +82,19 @@ class ExudynStage:
         ]
         self.mbs.Assemble()
 
-    def _add_bodies(self) -> None:
-        """Add ring, sun and planets with their bearings, pins and the torque."""
-        v, items = self.rig.values, itemInterface
-        self.nodes["lsp.ring"] = self.mbs.AddNode(items.NodePoint2D())
-        body = self.mbs.AddObject(items.ObjectMassPoint2D(mass=v["lsp.ring.mass"], nodeNumber=self.nodes["lsp.ring"]))
-        self._hold(body, "lsp.ring.bearing", [0, 0, 0])
-        for name in ("lsp.sun", *(f"lsp.planet.{i}" for i in range(1, PLANETS + 1))):
-            kind, place = name.rstrip(".1234"), [v.get(f"{name}.{axis}_0", 0.0) for axis in "xy"]
-            self.nodes[name] = self.mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[*place, 0.0]))
-            given = {"mass": v[f"{kind}.mass"], "inertia": v[f"{kind}.inertia"], "nodeNumber": self.nodes[name]}
-            body = self.mbs.AddObject(items.ObjectRigidBody2D(**given))
-            if kind == "lsp.planet":
-                self._hold(body, "lsp.pin", [*place, 0.0])
-        marker = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=self.nodes["lsp.sun"], coordinate=2))
-        self.load = self.mbs.AddLoad(items.LoadCoordinate(markerNumber=marker, load=v["loads.sun.torque"]))
+    def build(self) -> None:
+        """Add all nodes, bodies, connectors and loads."""
+        raise NotImplementedError
 
-    def _hold(self, body: Any, name: str, place: list[float]) -> None:  # noqa: ANN401
-        """Hold a body at a place of the housing by a spring and a damper."""
-        v, items = self.rig.values, itemInterface
-        markers = [
-            self.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=number, localPosition=at))
-            for number, at in ((self.ground, place), (body, [0, 0, 0]))
-        ]
-        k, c = ([v[f"{name}.{key}"]] * 2 + [0.0] for key in ("stiffness", "damping"))
-        self.mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, stiffness=k, damping=c))
+    def pull(self, name: str, coordinate: int) -> None:
+        """Put the torque on a coordinate of a node."""
+        marker = self.coordinate(self.nodes[name], coordinate)
+        load = self.rig.values["loads.sun.torque"]
+        self.load = self.mbs.AddLoad(itemInterface.LoadCoordinate(markerNumber=marker, load=load))
 
-    def _add_meshes(self) -> None:
-        """Add the meshes."""
-        for i in range(1, PLANETS + 1):
-            for gear, name, size in (("lsp.sun", "sun_planet", 6), ("lsp.ring", "ring_planet", 5)):
-                function, recorded = record(self.mbs, mesh_force(self.rig, name, i), size)
-                self.kept += [function, recorded]  # the expressions must outlive the system
-                numbers = [self.nodes[gear], self.nodes[f"lsp.planet.{i}"]]
-                self.mbs.AddObject(
-                    itemInterface.ObjectGenericODE2(
-                        nodeNumbers=numbers, massMatrix=np.zeros((size, size)), forceUserFunction=function
-                    )
-                )
+    def coordinate(self, node: Any, coordinate: int = 0) -> Any:  # noqa: ANN401
+        """Mark a coordinate of a node."""
+        return self.mbs.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
 
     def __call__(self, x: Vector, levels: Vector) -> Vector:
         """Return our x', by Exudyn's forces and mass matrix; a mesh's force stands on the right there."""
@@ -158,3 +132,74 @@ class ExudynStage:
             raise RuntimeError(f"Exudyn has stored {len(times)} samples, not {samples + 1}")
         angle = self.rig.values["reference.speed"] * times
         return np.column_stack([angle, *(columns[:, 1:] for columns in stored)]), seconds
+
+
+class Lateral(System):
+    """The stage whose members shift and turn."""
+
+    def build(self) -> None:
+        """Add bodies, then meshes."""
+        self.ground = self.mbs.AddObject(itemInterface.ObjectGround())
+        self._add_bodies()
+        self._add_meshes()
+
+    def _add_bodies(self) -> None:
+        """Add ring, sun and planets with their bearings, pins and the torque."""
+        v, items = self.rig.values, itemInterface
+        self.nodes["lsp.ring"] = self.mbs.AddNode(items.NodePoint2D())
+        body = self.mbs.AddObject(items.ObjectMassPoint2D(mass=v["lsp.ring.mass"], nodeNumber=self.nodes["lsp.ring"]))
+        self._hold(body, "lsp.ring.bearing", [0, 0, 0])
+        for name in ("lsp.sun", *(f"lsp.planet.{i}" for i in range(1, PLANETS + 1))):
+            kind, place = name.rstrip(".1234"), [v.get(f"{name}.{axis}_0", 0.0) for axis in "xy"]
+            self.nodes[name] = self.mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[*place, 0.0]))
+            given = {"mass": v[f"{kind}.mass"], "inertia": v[f"{kind}.inertia"], "nodeNumber": self.nodes[name]}
+            body = self.mbs.AddObject(items.ObjectRigidBody2D(**given))
+            if kind == "lsp.planet":
+                self._hold(body, "lsp.pin", [*place, 0.0])
+        self.pull("lsp.sun", 2)
+
+    def _hold(self, body: Any, name: str, place: list[float]) -> None:  # noqa: ANN401
+        """Hold a body at a place of the housing by a spring and a damper."""
+        v, items = self.rig.values, itemInterface
+        markers = [
+            self.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=number, localPosition=at))
+            for number, at in ((self.ground, place), (body, [0, 0, 0]))
+        ]
+        k, c = ([v[f"{name}.{key}"]] * 2 + [0.0] for key in ("stiffness", "damping"))
+        self.mbs.AddObject(items.ObjectConnectorCartesianSpringDamper(markerNumbers=markers, stiffness=k, damping=c))
+
+    def _add_meshes(self) -> None:
+        """Add the meshes."""
+        for i in range(1, PLANETS + 1):
+            for gear, name, size in (("lsp.sun", "sun_planet", 6), ("lsp.ring", "ring_planet", 5)):
+                function, recorded = record(self.mbs, mesh_force(self.rig, name, i), size)
+                self.kept += [function, recorded]  # the expressions must outlive the system
+                numbers = [self.nodes[gear], self.nodes[f"lsp.planet.{i}"]]
+                self.mbs.AddObject(
+                    itemInterface.ObjectGenericODE2(
+                        nodeNumbers=numbers, massMatrix=np.zeros((size, size)), forceUserFunction=function
+                    )
+                )
+
+
+class Torsional(System):
+    """The stage whose members only turn, of nothing but compiled connectors: a mesh is one with two factors."""
+
+    def build(self) -> None:
+        """Add rotors, then meshes, those of the held ring against the ground."""
+        v, items = self.rig.values, itemInterface
+        ground = self.mbs.AddNode(items.NodePointGround())
+        for name in ("lsp.sun", *(f"lsp.planet.{i}" for i in range(1, PLANETS + 1))):
+            self.nodes[name] = self.mbs.AddNode(items.Node1D(referenceCoordinates=[0.0]))
+            inertia = v[f"{name.rstrip('.1234')}.inertia"]
+            self.mbs.AddObject(items.ObjectRotationalMass1D(inertia=inertia, nodeNumber=self.nodes[name]))
+        for i in range(1, PLANETS + 1):
+            for key, sigma, node in (("sun_planet", 1.0, self.nodes["lsp.sun"]), ("ring_planet", -1.0, ground)):
+                law = f"lsp.{key}"
+                markers = [self.coordinate(one) for one in (node, self.nodes[f"lsp.planet.{i}"])]
+                factors = {"factor0": -v[f"{law}.base_radius_1"], "factor1": sigma * v[f"{law}.base_radius_2"]}
+                given = {"stiffness": v[f"{law}.stiffness"], "damping": v[f"{law}.damping"]}
+                self.mbs.AddObject(
+                    items.ObjectConnectorCoordinateSpringDamperExt(markerNumbers=markers, **factors, **given)
+                )
+        self.pull("lsp.sun", 0)

@@ -32,9 +32,15 @@ static inline void mesh(const Mesh *m, double sigma, double level, Place e, Trip
   const double s = m->flank, c = m->r1 + sigma * m->r2, k = m->k1 + (m->k2 - m->k1) * level;
   const double dx = b.x - a.x, dy = b.y - a.y, square = dx * dx + dy * dy;
   const double h = sqrt(square - c * c), per = 1.0 / square;
-  const double turned = atan2(e.x * dy - e.y * dx, e.x * dx + e.y * dy);
+  const double across = e.x * dy - e.y * dx, along = e.x * dx + e.y * dy;
+#ifdef MERGED /* pressure angle less sigma s times the turn of the line of centres, as the angle of a product */
+  const double arc = atan((h * along - sigma * s * c * across) / (c * along + sigma * s * h * across));
+  const double w = m->r1 * a.u + sigma * m->r2 * b.u;
+#else
+  const double arc = atan(h / c), turned = atan2(across, along);
   const double w = m->r1 * (a.u - turned) + sigma * m->r2 * (b.u - turned);
-  const double delta = s * w - sigma * (h - c * (atan(h / c) + m->inv0));
+#endif
+  const double delta = s * w - sigma * (h - c * (arc + m->inv0));
   const double nx = (sigma * h * dx - s * c * dy) * per, ny = (sigma * h * dy + s * c * dx) * per;
   const double rate = s * (m->r1 * va.u + sigma * m->r2 * vb.u) - nx * (vb.x - va.x) - ny * (vb.y - va.y);
   const double force = k * delta + m->c * rate;

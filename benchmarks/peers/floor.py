@@ -80,12 +80,12 @@ def parameters(rig: Rig) -> Parameters:
     return found
 
 
-def compiled(name: str) -> ctypes.CDLL:
-    """Compile a C file of this folder as the generated C is compiled."""
+def compiled(name: str, before: str = "") -> ctypes.CDLL:
+    """Compile a C file of this folder, with a text before it, as the generated C is compiled."""
     compiler = store.compiler()
     if compiler is None:
         raise LtcgearError("no C compiler found: install gcc or clang, the peers cannot be timed without one")
-    return ctypes.CDLL(str(store.library((HERE / f"{name}.c").read_text("utf-8"), compiler)))
+    return ctypes.CDLL(str(store.library(before + (HERE / f"{name}.c").read_text("utf-8"), compiler)))
 
 
 def address(values: NDArray[np.generic]) -> ctypes.c_void_p:
@@ -94,10 +94,10 @@ def address(values: NDArray[np.generic]) -> ctypes.c_void_p:
 
 
 class Floor:
-    """The right-hand side of floor.c."""
+    """The right-hand side of floor.c; ``merged`` takes one arc tangent a mesh in place of two."""
 
-    def __init__(self, rig: Rig) -> None:
-        self.function = compiled("floor").floor_rhs
+    def __init__(self, rig: Rig, merged: bool = False) -> None:
+        self.function = compiled("floor", "#define MERGED\n" * merged).floor_rhs
         self.parameters = parameters(rig)
         self.out = np.zeros(len(rig.at.x))
 
@@ -107,8 +107,8 @@ class Floor:
         return self.out
 
 
-def call_times(rig: Rig, floor: Floor) -> dict[str, list[float]]:
-    """Time one call in a loop of C [s], generated and written by turns: a list of ``BLOCKS`` for each."""
+def call_times(rig: Rig, floors: dict[str, Floor]) -> dict[str, list[float]]:
+    """Time one call in a loop of C [s], ``generated`` and those written by turns: a list of ``BLOCKS`` for each."""
     loop, function = compiled("loop"), rig.library.functions["rhs"]
     if rig.library.path is None:
         raise LtcgearError("the model is not compiled: install a C compiler")
@@ -120,12 +120,13 @@ def call_times(rig: Rig, floor: Floor) -> dict[str, list[float]]:
     taken[0] = out.ctypes.data
     whole, real = np.zeros(max(function.sz_iw(), 1), dtype=np.int64), np.zeros(max(function.sz_w(), 1))
     times = ctypes.c_long(TIMES)
-    sides = {
-        "generated": lambda: loop.loop_generated(generated, given, taken, address(whole), address(real), times),
-        "written": lambda: loop.loop_written(
-            floor.function, address(x), address(levels), ctypes.byref(floor.parameters), address(floor.out), times
-        ),
-    }
+
+    def written(floor: Floor) -> Callable[[], object]:
+        numbers = address(x), address(levels), ctypes.byref(floor.parameters), address(floor.out)
+        return lambda: loop.loop_written(floor.function, *numbers, times)
+
+    sides = {name: written(floor) for name, floor in floors.items()}
+    sides["generated"] = lambda: loop.loop_generated(generated, given, taken, address(whole), address(real), times)
     found: dict[str, list[float]] = {name: [] for name in sides}
     for _ in range(BLOCKS):
         for name, side in sides.items():

@@ -7,10 +7,11 @@ from .rig import Rig, open_rig
 
 SCENE, PLANETS = "lsp", 4
 SETTINGS = {"effects.mesh_stiffness": "mean"}
+TORSION = SETTINGS | {"effects.lateral": "off"}
 STEP = 1.2
 """By how much the torque rises at the start."""
 
 
-def open_stage() -> Rig:
+def open_stage(torsional: bool = False) -> Rig:
     """Build the stage."""
-    return open_rig(SCENE, SETTINGS)
+    return open_rig(SCENE, TORSION if torsional else SETTINGS)
