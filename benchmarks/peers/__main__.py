@@ -1,4 +1,4 @@
-"""Measure all peers, print, and write docs/peers.md and docs/data/peers.json (``python -m benchmarks.peers``)."""
+"""Measure all peers, print, and write docs/peers.md, its figure and data (``python -m benchmarks.peers``)."""
 
 import argparse
 import json
@@ -18,6 +18,7 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 
 from . import page, runners
+from .figure import draw_races
 from .floor import Floor, call_times, python_time
 from .numpy_rig import NumpyRig
 from .race import TARGET, race
@@ -170,6 +171,7 @@ def main() -> None:
     print(text)
     Path(page.DATA).parent.mkdir(exist_ok=True)
     store.write_folder(page.DATA.parent, {page.DATA.name: json.dumps(data, indent=1) + "\n"})
+    draw_races(data, page.FIGURE)
     before, rest = page.PAGE.read_text("utf-8").split(page.BEGIN)
     after = rest.split(page.END)[1]
     store.write_folder(page.PAGE.parent, {page.PAGE.name: before + page.BEGIN + text + page.END + after})

@@ -9,6 +9,7 @@ from .runners import EXUDYN, NUMPY, OURS, SCIPY, SUNDAE
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "peers.md"
 DATA = PAGE.parent / "data" / "peers.json"
+FIGURE = PAGE.parent / "images" / "peers.png"
 BEGIN, END = "<!-- peers -->\n", "<!-- end of peers -->\n"
 AIMS = (
     (SCIPY, "rig", 10.0),

@@ -105,7 +105,10 @@ def exudyn_runners(peer: Any, torque: float) -> list[Runner]:  # noqa: ANN401
     def runner(solver: str) -> Callable[[float], tuple[Vector, float]]:
         return lambda steps: peer.run(solver, int(steps), torque)
 
-    return [Runner(EXUDYN, solver, runner(solver), steps, SLOW_ROUNDS) for solver, steps in SOLVERS.items()]
+    return [
+        Runner(EXUDYN, solver, runner(solver), steps, ROUNDS if solver.startswith("RK") else SLOW_ROUNDS)
+        for solver, steps in SOLVERS.items()
+    ]
 
 
 def struck(rig: Rig) -> tuple[Rig, float]:

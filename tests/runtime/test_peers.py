@@ -154,6 +154,7 @@ def test_the_page_is_of_its_data(peers):
 def test_the_page_holds_every_peer(peers):
     data, runners = peers("page").read(), peers("runners")
     assert data["left_out"] == []
+    assert peers("page").FIGURE.exists()
     assert {row["tool"] for row in data["rig"]["rows"]} == {
         runners.OURS, runners.SCIPY, runners.NUMPY, runners.SUNDAE
     }  # fmt: skip
