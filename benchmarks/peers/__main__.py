@@ -30,6 +30,8 @@ PARTS = ("numpy", "scipy", "sundae", "exudyn", "pydy")
 MODULES = {"sundae": ("sksundae",), "exudyn": ("exudyn",), "pydy": ("pydy", "Cython")}
 """What is imported for a part and is not always installed."""
 PACKAGES = ("casadi", "sympy", "numpy", "scipy", "scikit-sundae", "exudyn", "pydy", "cython")
+OPTIMISED = " ".join(flag for flag in store.FLAGS if flag.startswith(("-O", "-march")))
+"""Ours of the compiler's flags, for PyDy's C too."""
 PATIENCE = 600
 """Seconds after which PyDy is stopped."""
 
@@ -100,7 +102,7 @@ def run_module(name: str) -> dict[str, Any]:
         try:
             run = subprocess.run(
                 command, capture_output=True, text=True, check=False, timeout=PATIENCE, cwd=page.PAGE.parents[1],
-                env=os.environ | {"LTCGEAR_CACHE": cache},
+                env=os.environ | {"LTCGEAR_CACHE": cache, "CFLAGS": OPTIMISED},
             )  # fmt: skip
         except subprocess.TimeoutExpired:
             return {"stopped_after": PATIENCE}

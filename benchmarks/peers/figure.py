@@ -17,7 +17,7 @@ MARKS = "osv^D"
 def draw_races(data: dict[str, Any], path: Path) -> None:
     """Draw error against least time of all races, and save the figure."""
     races = [key for key in RACES if key in data]
-    figure = Figure(figsize=(5.2 * len(races), 5.0), layout="constrained")
+    figure = Figure(figsize=(5.2 * len(races), 5.6), layout="constrained")
     FigureCanvasAgg(figure)
     for axes, key in zip(figure.subplots(1, len(races), squeeze=False)[0], races, strict=True):
         seen: dict[str, int] = {}
@@ -32,5 +32,5 @@ def draw_races(data: dict[str, Any], path: Path) -> None:
         axes.set(title=RACES[key], xlabel="error of mesh forces over their vibration", ylabel="seconds")
         axes.invert_xaxis()
         axes.grid(True, which="major", linewidth=0.3)
-        axes.legend(fontsize=7)
+        axes.legend(fontsize=7, ncols=2, loc="upper left", bbox_to_anchor=(0.0, -0.14))
     figure.savefig(path, dpi=110)

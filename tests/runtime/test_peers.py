@@ -143,27 +143,6 @@ def test_runners_take_turns_and_failures_are_told(peers):
 # --- the page
 
 
-def test_the_page_is_of_its_data(peers):
-    page = peers("page")
-    data = page.read()
-    text = page.PAGE.read_text("utf-8").split(page.BEGIN)[1].split(page.END)[0]
-    assert text == page.tables(data)
-    assert all(value <= peers("rig").AGREES for value in data["checks"].values())
-
-
-def test_the_page_holds_every_peer(peers):
-    data, runners = peers("page").read(), peers("runners")
-    assert data["left_out"] == []
-    assert peers("page").FIGURE.exists()
-    assert {row["tool"] for row in data["rig"]["rows"]} == {
-        runners.OURS, runners.SCIPY, runners.NUMPY, runners.SUNDAE
-    }  # fmt: skip
-    assert all(
-        {row["tool"] for row in data[key]["rows"]} == {runners.OURS, runners.EXUDYN} for key in ("stage", "torsion")
-    )
-    assert all(race["uncertainty"] < 1e-6 for race in (data["rig"], data["stage"], data["torsion"]))
-
-
 def test_verdicts_follow_from_the_numbers(peers):
     page, race, runners = peers("page"), peers("race"), peers("runners")
 
