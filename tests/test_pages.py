@@ -184,3 +184,25 @@ def test_a_slow_sweep_jumps_where_the_page_says(benchmarks):
         assert [abs(float(row[column + 1].strip("+-% "))) for row in measured] == pytest.approx(
             [100 * value for value in off], abs=0.15
         )
+
+
+# --- peers
+
+
+def test_the_page_of_the_peers_is_of_its_data(benchmarks):
+    page, rig = benchmarks("peers.page"), benchmarks("peers.rig")
+    data = page.read()
+    text = page.PAGE.read_text("utf-8").split(page.BEGIN)[1].split(page.END)[0]
+    assert text == page.tables(data)
+    assert page.FIGURE.exists()
+    assert all(value <= rig.AGREES for value in data["checks"].values())
+
+
+def test_the_page_of_the_peers_holds_all(benchmarks):
+    data, runners = benchmarks("peers.page").read(), benchmarks("peers.runners")
+    tools = {key: {row["tool"] for row in data[key]["rows"]} for key in ("rig", "stage", "torsion")}
+    assert data["left_out"] == []
+    assert tools["rig"] == {runners.OURS, runners.SCIPY, runners.NUMPY, runners.SUNDAE}
+    assert tools["stage"] == tools["torsion"] == {runners.OURS, runners.EXUDYN}
+    assert all(data[key]["uncertainty"] < 1e-6 for key in tools)
+    assert len(data["checks"]) == 6  # two in C, NumPy, two of Exudyn, PyDy
