@@ -89,11 +89,11 @@ def _draw_curves(axes: Axes, record: Data, place: Callable[[Data], tuple[float, 
         colour, mark = STYLES[method]
         places = [place(point) if point["reason"] is None else (float("nan"),) * 2 for point in points]
         axes.plot(*zip(*places, strict=True), "-", color=colour, lw=1.2, alpha=0.7)
-        for trusted, shown in ((True, {"mfc": colour, "mec": colour}), (False, {"mfc": "white", "mec": GREY})):
+        for trusted, fill, edge in ((True, colour, colour), (False, "white", GREY)):
             some = [spot for spot, point in zip(places, points, strict=True) if bool(point["trusted"]) == trusted]
             if some:
                 label = method if trusted else None
-                axes.plot(*zip(*some, strict=True), mark, color=colour, ms=5, label=label, **shown)
+                axes.plot(*zip(*some, strict=True), mark, ms=5, label=label, mfc=fill, mec=edge)
     axes.set_xscale("log")
     axes.set_yscale("log")
 

@@ -19,8 +19,8 @@ class Preset:
     ----------
     rtols
         Relative tolerances.
-    periods
-        Pitches of the slowest mesh that are simulated.
+    periods, samples
+        Pitches of the slowest mesh, and samples, that are simulated at least.
     patience
         The longest that one run may take [s].
     budget
@@ -29,13 +29,14 @@ class Preset:
 
     rtols: tuple[float, ...]
     periods: float
+    samples: int
     patience: float
     budget: float
 
 
 PRESETS = {
-    "quick": Preset((1e-3, 1e-4, 1e-5, 1e-6, 1e-8), 1.1, 3.0, 10.0),
-    "full": Preset(tuple(10 ** (-k / 2) for k in range(6, 23)), 2.2, 10.0, 60.0),
+    "quick": Preset((1e-3, 1e-4, 1e-5, 1e-6, 1e-8), 1.1, 256, 3.0, 15.0),
+    "full": Preset(tuple(10 ** (-k / 2) for k in range(6, 23)), 2.2, 512, 10.0, 40.0),
 }
 
 
@@ -51,10 +52,15 @@ def installed_methods() -> list[str]:
     return [method for method in METHODS if method not in OPTIONAL or find_spec(OPTIONAL[method]) is not None]
 
 
-def choose_time(bench: Bench, preset: Preset, longest: float) -> float:
-    """Return the time to simulate [s]: pitches of the slowest mesh that turns at the start, ``longest`` at most."""
-    rates = [rate for rate in mesh_rates(bench) if rate > 0]
-    return min(longest, float(f"{preset.periods / min(rates):.3g}")) if rates else longest
+def choose_time(bench: Bench, preset: Preset, rate: float, longest: float) -> float:
+    """Return the time to simulate [s], of samples and of pitches of the slowest mesh that turns, ``longest`` at most.
+
+    Where no mesh turns at the start, it is ``longest``. ``rate`` are samples a second [Hz].
+    """
+    turning = [each for each in mesh_rates(bench) if each > 0]
+    if not turning:
+        return longest
+    return min(longest, float(f"{max(preset.periods / min(turning), preset.samples / rate):.3g}"))
 
 
 def mesh_rates(bench: Bench) -> list[float]:

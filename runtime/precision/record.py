@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
@@ -132,7 +132,7 @@ def _fault_of_point(point: Any, measure: str) -> str | None:  # noqa: ANN401
         return '"reason" is neither text nor null'
     if point.get("method") not in METHODS:
         return '"method" is not known'
-    numbers = (point.get(key) for key in ("rtol", "seconds", "real_time_factor"))
+    numbers = [point.get(key) for key in ("rtol", "seconds", "real_time_factor")]
     if not all(_is_number(number) and number > 0 for number in numbers):
         return '"rtol", "seconds" or "real_time_factor" is not a number above zero'
     entry = point.get("errors", {}).get(measure, "") if isinstance(point.get("errors"), dict) else ""
@@ -141,6 +141,6 @@ def _fault_of_point(point: Any, measure: str) -> str | None:  # noqa: ANN401
     return None
 
 
-def _is_number(value: Any) -> bool:  # noqa: ANN401
+def _is_number(value: Any) -> TypeGuard[float]:  # noqa: ANN401
     """Say whether a value is a finite number, not negative."""
     return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value) and value >= 0

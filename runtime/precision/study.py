@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..choice import choose
 from ..hard.case import Bench
 from .cheapest import find_cheapest, list_cheapest
 from .machine import describe_machine
@@ -14,6 +15,8 @@ from .reference import find_reference
 from .sweep import ROUNDS, Point, Sweep, time_call
 
 Data = dict[str, Any]
+AUTO_RTOL = 1e-6
+"""Tolerance for which the record tells what ``--method auto`` takes."""
 REFERENCE_PATIENCE = 4.0
 """How many times longer than others the runs of the reference may take."""
 
@@ -53,7 +56,7 @@ def run_study(bench: Bench, wanted: Wanted, told: Callable[[float], None] = lamb
         The record, as ``ltcgear accuracy --json`` prints it, but for its ``phases``.
     """
     preset = wanted.preset
-    t_end = wanted.t_end if wanted.t_end is not None else choose_time(bench, preset, wanted.longest)
+    t_end = wanted.t_end if wanted.t_end is not None else choose_time(bench, preset, wanted.rate, wanted.longest)
     reference = find_reference(bench, Patience(REFERENCE_PATIENCE * preset.patience), t_end=t_end, rate=wanted.rate)
     told(0.1)
     sweep = Sweep(
@@ -66,7 +69,7 @@ def run_study(bench: Bench, wanted: Wanted, told: Callable[[float], None] = lamb
         "numbers": wanted.numbers, "preset": wanted.preset_name, "t_end": t_end, "rate": wanted.rate,
         "measure": reference.measure, "machine": describe_machine(), "ns_rhs": time_call(bench),
         "reference": reference.to_json(), "points": [point.to_json(t_end) for point in points],
-        "notes": _notes(points), "phases": None,
+        "auto": choose(bench.library, bench.at, bench.p, AUTO_RTOL).method, "notes": _notes(points), "phases": None,
     }  # fmt: skip
     return record | {"best": list_cheapest(record)}
 
