@@ -131,7 +131,8 @@ def _remarks(record: Record) -> Iterator[str]:
     reference, machine = record["reference"], record["machine"]
     runs = " and ".join(f"{run['method']} at rtol {run['rtol']:g}" for run in reference["runs"])
     yield f"Error: {KINDS[record['measure']]}, the worst mesh; over {record['t_end']:g} s."
-    yield f"Reference: {runs}, which differ by {reference['floor']:.1e}."
+    differ = value_of(reference["uncertainty"], record["measure"])
+    yield f"Reference: {runs}, which differ by {differ:.1e}; taken to be uncertain by {reference['floor']:.1e}."
     yield f"A right-hand side alone takes {record['ns_rhs']:.0f} ns. `--method auto` takes `{record['auto']}`."
     yield from record["notes"]
     for run_, words in (("cold", "From nothing"), ("warm", "From the store")):

@@ -62,9 +62,13 @@ def _notes(record: Data) -> list[str]:
     if reference["reason"] is not None:
         return [f"No errors: {reference['reason']}", *reference["failures"], *notes]
     runs = " and ".join(f"{run['method']} at rtol {run['rtol']:g}" for run in reference["runs"])
-    notes.append(f"Reference: {runs}, which differ by {reference['floor']:.1e}.")
+    differ = value_of(reference["uncertainty"], record["measure"])
+    notes.append(f"Reference: {runs}, which differ by {_short(differ)}; uncertain by {_short(reference['floor'])}.")
+    if reference["exact"] is not None:
+        exact = value_of(reference["exact"], record["measure"])
+        notes.append(f"The first of them is {_short(exact)} off the exact motion, by matrix exponentials.")
     if not all(point["trusted"] for point in record["points"] if point["reason"] is None):
-        notes.append(f"*: error below {MARGIN:g} times that, so not told to within 1 %.")
+        notes.append(f"*: error below {MARGIN:g} times that, so not known to 1 %.")
     return notes
 
 
