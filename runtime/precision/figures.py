@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
@@ -85,17 +86,19 @@ def _error(record: Data, point: Data) -> float:
 
 def _draw_curves(axes: Axes, record: Data, place: Callable[[Data], tuple[float, float]]) -> None:
     """Draw a curve for each method; a gap where a point did not run, grey where the reference does not tell."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
     for method, points in _curves(record):
         colour, mark = STYLES[method]
         places = [place(point) if point["reason"] is None else (float("nan"),) * 2 for point in points]
+        if not any(isfinite(sum(spot)) for spot in places):
+            continue
         axes.plot(*zip(*places, strict=True), "-", color=colour, lw=1.2, alpha=0.7)
         for trusted, fill, edge in ((True, colour, colour), (False, "white", GREY)):
             some = [spot for spot, point in zip(places, points, strict=True) if bool(point["trusted"]) == trusted]
             if some:
-                label = method if trusted else None
+                label = method if trusted or not any(point["trusted"] for point in points) else None
                 axes.plot(*zip(*some, strict=True), mark, ms=5, label=label, mfc=fill, mec=edge)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
 
 
 def _finish(axes: Axes, title: str, x: str, y: str) -> None:
@@ -112,13 +115,14 @@ def _finish(axes: Axes, title: str, x: str, y: str) -> None:
 
 def _error_axis(axes: Axes, record: Data) -> None:
     """Let errors fall to the right, and mark the limits and what the reference does not tell."""
+    floor = record["reference"]["floor"]
+    errors = [_error(record, point) for point in record["points"] if point["reason"] is None]
+    known = [error for error in errors if isfinite(error)] or list(LIMITS)
+    axes.set_xlim(2 * max(known), max(0.5 * min(known), floor or 0.0))
     for limit in LIMITS:
         axes.axvline(limit, color=GREY, lw=0.6, ls=":")
-    floor = record["reference"]["floor"]
     if floor:
         axes.axvspan(1e-16, MARGIN * floor, color=GREY, alpha=0.12, lw=0)
-        axes.set_xlim(left=floor)
-    axes.invert_xaxis()
 
 
 def _label(record: Data) -> str:
@@ -176,7 +180,7 @@ def draw_cheapest(axes: Axes, record: Data) -> None:
             axes.annotate("none", (place, 0.02), xycoords=("data", "axes fraction"), ha="center", fontsize=9)
             continue
         axes.bar(place, entry["seconds"] / record["t_end"], color=STYLES[entry["method"]][0], width=0.7)
-        text = f"{entry['method']}\nrtol {entry['rtol']:.1e}\n{entry['real_time_factor']:.3g} x real time"
+        text = f"{entry['method']}\nrtol {entry['rtol']:.1e}\n{entry['real_time_factor']:.2g} x real time"
         axes.annotate(
             text, (place, entry["seconds"] / record["t_end"]), xytext=(0, 3), textcoords="offset points", ha="center",
             va="bottom", fontsize=8,

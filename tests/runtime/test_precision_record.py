@@ -53,7 +53,7 @@ def test_a_record_comes_back_as_it_was(tmp_path):
     files = write_record(record, tmp_path)
     assert [file.name for file in files] == ["accuracy.json", "accuracy.csv"]
     assert read_record(files[0]) == record
-    rows = list(csv.DictReader(files[1].open(encoding="utf-8")))
+    rows = list(csv.DictReader(files[1].read_text("utf-8").splitlines()))
     assert len(rows) == len(record["points"])
     for row, wanted in zip(rows, record["points"], strict=True):
         assert (row["method"], float(row["rtol"]), row["reason"]) == (
