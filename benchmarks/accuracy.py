@@ -1,10 +1,14 @@
 """What accuracy costs in time: every method at every tolerance, for four scenes.
 
 Run as ``python -m benchmarks.accuracy``; it takes some ten minutes and writes tables and figures of docs/accuracy.md,
-and what they are drawn from to docs/data/. With names of cases as arguments only these are run; with ``--pages``
-nothing is run and the page is written from docs/data/.
+and what they are drawn from to docs/data/. Sentences of the conclusions that have the form of ``FASTEST``, ``SLOWER``
+or ``OFF`` get the numbers that were measured; what stands around them is for a reader to keep right.
+
+With names of cases as arguments only these are run; with ``--pages`` nothing is run and the page is written from
+docs/data/.
 """
 
+import re
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -15,7 +19,7 @@ from ltcgear.runtime.cli.measuring import measure
 from ltcgear.runtime.cli.opening import compile_model, open_scene
 from ltcgear.runtime.precision.cheapest import LIMITS, find_cheapest
 from ltcgear.runtime.precision.errors import KINDS, value_of
-from ltcgear.runtime.precision.figures import draw_overview
+from ltcgear.runtime.precision.figures import NAMES, draw_overview
 from ltcgear.runtime.precision.phases import PHASES, measure_phases
 from ltcgear.runtime.precision.record import read_record, to_text
 from ltcgear.runtime.precision.study import phases_setting
@@ -24,6 +28,11 @@ DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = DOCS / "accuracy.md"
 BEGIN, END = "<!-- accuracy {} -->\n", "<!-- end {} -->\n"
 SHOWN = (*LIMITS, 1e-6, 1e-8)
+FASTEST = re.compile(r"For (?P<limit>\S+) % `\w+` is the fastest, \S+ times real time")
+SLOWER = re.compile(r"`(?P<slow>\w+)` takes \S+ times as long as `(?P<fast>\w+)` for (?P<limit>\S+) %")
+OFF = re.compile(
+    rf"`(?P<method>\w+)` at rtol (?P<rtol>\S+) is off by \S+ in (?P<name>{'|'.join(map(re.escape, NAMES.values()))})"
+)
 COUNTS = ("steps", "rhs", "jacobian", "events", "regimes")
 Record = dict[str, Any]
 
@@ -156,9 +165,32 @@ def _gaps(record: Record) -> Iterator[str]:
 def write(name: str, record: Record) -> None:
     """Write a case's part of the page, and its figure."""
     before, rest = PAGE.read_text("utf-8").split(BEGIN.format(name))
-    after = rest.split(END.format(name))[1]
+    conclusion, *others = rest.split(END.format(name))[1].split("\n## ")
+    after = "\n## ".join([correct(conclusion, record), *others])
     PAGE.write_text(before + BEGIN.format(name) + table(record) + END.format(name) + after, "utf-8")
     draw_overview(record, DOCS / "images" / f"accuracy-{name}.png")
+
+
+def correct(conclusion: str, record: Record) -> str:
+    """Return a conclusion with the record's methods and numbers in the sentences that name them."""
+
+    def name_fastest(found: re.Match[str]) -> str:
+        point = find_cheapest(record, float(found["limit"]) / 100)
+        method, factor = ("nothing", 0.0) if point is None else (point["method"], point["real_time_factor"])
+        return f"For {found['limit']} % `{method}` is the fastest, {factor:.2g} times real time"
+
+    def compare(found: re.Match[str]) -> str:
+        points = [find_cheapest(only(record, found[name]), float(found["limit"]) / 100) for name in ("slow", "fast")]
+        slow, fast = (float("nan") if point is None else point["seconds"] for point in points)
+        return f"`{found['slow']}` takes {slow / fast:.2g} times as long as `{found['fast']}` for {found['limit']} %"
+
+    def tell_error(found: re.Match[str]) -> str:
+        kind = next(kind for kind, name in NAMES.items() if name == found["name"])
+        points = (point for point in only(record, found["method"])["points"] if point["rtol"] == float(found["rtol"]))
+        values = [value_of(point["errors"], kind) for point in points]
+        return f"`{found['method']}` at rtol {found['rtol']} is off by {values[0]:.1e} in {found['name']}"
+
+    return OFF.sub(tell_error, SLOWER.sub(compare, FASTEST.sub(name_fastest, conclusion)))
 
 
 def main() -> None:

@@ -13,7 +13,7 @@ from ltcgear.runtime.precision.phases import sum_phases
 from ltcgear.runtime.precision.record import digest_numbers, keep, kept_path, read_record, write_record
 from ltcgear.runtime.precision.selection import read_percentage, select_setting
 
-from .precision_record import gap, make_record
+from records import gap, make_record
 
 
 def setting_of(record, limit):
