@@ -44,6 +44,10 @@ class Samples:
     signals: dict[str, dict[str, Signal]]
     phases: dict[str, Vector]
 
+    def moves(self, size: float) -> bool:
+        """Say whether any state moves that far from its start, over its scale; the reference turns without that."""
+        return any(np.abs(x).max() > size for name, x in self.states.items() if not name.startswith("reference."))
+
 
 def take_samples(bench: Bench, path: Trajectory) -> Samples:
     """Read what is compared from a trajectory."""

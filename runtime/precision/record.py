@@ -111,6 +111,8 @@ def find_fault(found: Any) -> str | None:  # noqa: ANN401
     for key in ("scene", "model", "numbers"):
         if not isinstance(found.get(key), str):
             return f'"{key}" is not text'
+    if not _is_number(found.get("t_end")):
+        return '"t_end" is not a number'
     reference, points = found.get("reference"), found.get("points")
     if not isinstance(reference, dict) or not isinstance(points, list):
         return '"reference" or "points" is missing'

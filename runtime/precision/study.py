@@ -17,6 +17,8 @@ from .sweep import ROUNDS, Point, Sweep, time_call
 Data = dict[str, Any]
 AUTO_RTOL = 1e-6
 """Tolerance for which the record tells what ``--method auto`` takes."""
+PILOT = 0.15
+"""Share of the patience in which ``auto`` must reach the end; else less time is simulated."""
 REFERENCE_PATIENCE = 4.0
 """How many times longer than others the runs of the reference may take."""
 
@@ -56,7 +58,10 @@ def run_study(bench: Bench, wanted: Wanted, told: Callable[[float], None] = lamb
         The record, as ``ltcgear accuracy --json`` prints it, but for its ``phases``.
     """
     preset = wanted.preset
-    t_end = wanted.t_end if wanted.t_end is not None else choose_time(bench, preset, wanted.rate, wanted.longest)
+    t_end, auto = wanted.t_end, choose(bench.library, bench.at, bench.p, AUTO_RTOL).method
+    if t_end is None:
+        t_end = choose_time(bench, preset, wanted.rate, wanted.longest)
+        t_end = Patience(PILOT * preset.patience).reach(bench, auto, AUTO_RTOL, t_end=t_end, rate=wanted.rate)
     reference = find_reference(bench, Patience(REFERENCE_PATIENCE * preset.patience), t_end=t_end, rate=wanted.rate)
     told(0.1)
     sweep = Sweep(
@@ -69,7 +74,7 @@ def run_study(bench: Bench, wanted: Wanted, told: Callable[[float], None] = lamb
         "numbers": wanted.numbers, "preset": wanted.preset_name, "t_end": t_end, "rate": wanted.rate,
         "measure": reference.measure, "machine": describe_machine(), "ns_rhs": time_call(bench),
         "reference": reference.to_json(), "points": [point.to_json(t_end) for point in points],
-        "auto": choose(bench.library, bench.at, bench.p, AUTO_RTOL).method, "notes": _notes(points), "phases": None,
+        "auto": auto, "notes": _notes(points), "phases": None,
     }  # fmt: skip
     return record | {"best": list_cheapest(record)}
 

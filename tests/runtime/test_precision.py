@@ -124,7 +124,7 @@ def test_the_reference_knows_its_own_uncertainty(linear):
     true = value_of(found.exact, "mesh_force")
     assert 0 < true <= found.floor < 1e-8
     # Both read samples between the same nodes, so that their difference alone would promise too much.
-    assert value_of(found.uncertainty, "mesh_force") < true
+    assert value_of(found.uncertainty, "mesh_force") < true <= replace(found, exact=None).floor
     assert found.trusts({"mesh_force": {"value": MARGIN * found.floor}})
     assert not found.trusts({"mesh_force": {"value": 0.99 * MARGIN * found.floor}})
 
@@ -153,6 +153,8 @@ def test_runs_that_part_are_no_reference():
     assert "uncertain by 2.0e-02" in judged(samples(), samples(one=0.2 * OTHER)).reason
     still = replace(samples(), signals={kind: {} for kind in samples().signals}, states={})
     assert "nothing moves" in judged(still, still).reason
+    rounding = replace(samples(), states={"x": 1e-9 * SWING, "reference.angle": 100 * TIME})
+    assert "nothing moves" in judged(rounding, rounding).reason
     assert judged(samples(), samples(one=1e-9 * OTHER)).reason is None
 
 
@@ -182,7 +184,7 @@ def test_gaps_have_their_reasons(linear, monkeypatch):
 
     def slow(self, bench, method, rtol, **options):
         if method == "cvodes" and rtol < 1e-3:
-            raise OutOfTimeError("more than 1 s")
+            raise OutOfTimeError("more than 1 s", 0.0)
         if method == "idas":
             raise LtcgearError("not for this model")
         return run(self, bench, method, rtol, **options)
@@ -233,6 +235,14 @@ def test_the_time_is_some_pitches_of_the_slowest_mesh():
     assert choose_time(slow, preset, 1024.0, 9.0) == 0.5  # 512 samples
     assert choose_time(slow, preset, 8192.0, 0.01) == 0.01
     assert choose_time(bench_of("hard-tiny-inertia"), preset, 2000.0, 0.05) == 0.05
+
+
+def test_a_slow_scene_is_simulated_for_less_time(linear):
+    assert Patience(60.0).reach(linear, "erk", 1e-6, t_end=0.02, rate=RATE) == 0.02
+    shorter = Patience(0.3).reach(linear, "erk", 1e-9, t_end=50.0, rate=RATE)
+    assert 64 / RATE <= shorter < 25.0
+    assert shorter * RATE == pytest.approx(round(shorter * RATE), abs=1e-6)
+    assert Patience(60.0).reach(linear, "adam", 1e-6, t_end=0.02, rate=RATE) == 0.02  # refused: told later, by points
 
 
 # --- no slower and no worse than it was

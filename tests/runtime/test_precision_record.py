@@ -96,6 +96,7 @@ def without(*path):
         (lambda record: [], '"format" is not 1'),
         (without("format", 2), '"format" is not 1'),
         (without("model", 3), '"model" is not text'),
+        (without("t_end", "long"), '"t_end" is not a number'),
         (without("points", {}), '"reference" or "points" is missing'),
         (without("reference", None), '"reference" or "points" is missing'),
         (without("reference", "reason", "the runs part"), "it has no reference: the runs part"),
@@ -161,7 +162,7 @@ def test_what_is_no_percentage_is_refused(text, reason):
 def test_a_setting_tells_where_it_comes_from():
     setting = select_setting(make_record(), "accuracy.json", 1e-3, "m", "n")
     assert (setting.method, setting.rtol, setting.expected, setting.warning) == ("cvodes", 1e-5, 2e-4, None)
-    assert "2.0e-04" in setting.why
+    assert "2.0e-04 over 0.5 s" in setting.why
     assert "accuracy.json" in setting.why
     assert setting.to_json()["asked"] == 1e-3
 
