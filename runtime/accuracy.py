@@ -13,6 +13,7 @@ from .library import Library
 from .signals import Pairs
 
 Vector = NDArray[np.float64]
+Signal = Vector | NDArray[np.complex128]
 WINDOW = 4096
 """Samples that are run twice, from the start on."""
 PARTS = 8
@@ -60,10 +61,10 @@ def estimate_accuracy(
     if not names:
         return found | {"reason": "the model has no mesh"}
     together = (runs[0].levels == runs[1].levels).all(axis=1)
-    reason = _parting(forces, together, window)
+    reason = tell_parting(forces, together, window)
     if reason:
         return found | {"reason": reason}
-    meshes = {name: _compare(*forces[:, together, i]) for i, name in enumerate(names)}
+    meshes = {name: compare_signals(*forces[:, together, i]) for i, name in enumerate(names)}
     worst = max(meshes, key=lambda name: meshes[name]["rms_over_vibration"] or 0.0)
     return found | {"meshes": meshes, "worst": worst}
 
@@ -76,12 +77,19 @@ def _forces(library: Library, p: Vector, runs: list[Trajectory]) -> tuple[list[s
     return [reports[i].item for i in rows], np.array(outputs)
 
 
-def _compare(coarse: Vector, fine: Vector) -> dict[str, float | None]:
-    """Compare one mesh's force with that of the finer run."""
-    difference = coarse - fine
-    mean, vibration = abs(float(fine.mean())), float(fine.std())
+def compare_signals(coarse: Signal, fine: Signal) -> dict[str, float | None]:
+    """Compare a signal with that of a finer run; one in a plane is given as x + iy.
+
+    Returns
+    -------
+    dict
+        Root mean square and peak of the difference over the finer signal's vibration (its standard deviation) and over
+        its mean's magnitude; None where there is nothing to refer to.
+    """
+    difference = np.abs(coarse - fine)
+    mean, vibration = float(np.abs(fine.mean())), float(fine.std())
     sizes = {"vibration": vibration if vibration > STILL * mean else 0.0, "mean": mean}
-    errors = {"rms": float(np.sqrt(np.mean(difference**2))), "peak": float(np.abs(difference).max())}
+    errors = {"rms": float(np.sqrt(np.mean(difference**2))), "peak": float(difference.max())}
     return {
         f"{error}_over_{size}": value / scale if scale > 0 else None
         for size, scale in sizes.items()
@@ -89,7 +97,7 @@ def _compare(coarse: Vector, fine: Vector) -> dict[str, float | None]:
     }
 
 
-def _parting(forces: Vector, together: Vector, window: float) -> str | None:
+def tell_parting(forces: Vector, together: Vector, window: float) -> str | None:
     """Say that two runs part from each other, so that no tolerance gives the same motion for long; None if not."""
     pieces = np.array_split(np.arange(forces.shape[1]), PARTS)
     size = np.maximum(forces[1].std(axis=0), STILL * np.abs(forces[1]).mean(axis=0))

@@ -41,6 +41,20 @@ Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it
 Verify = Annotated[
     bool, typer.Option("--verify", help="Estimate the accuracy of mesh forces by runs at the tolerance and a tenth.")
 ]
+Accuracy = Annotated[
+    str | None,
+    typer.Option(
+        "--accuracy", metavar="PERCENT", show_default="none",
+        help="Take the fastest method and tolerance for this error of mesh forces, e.g. 0.1%.",
+    ),
+]  # fmt: skip
+RecordFile = Annotated[
+    Path | None,
+    typer.Option(
+        "--record", metavar="FILE", show_default="the store's, made now if there is none",
+        help="What `ltcgear accuracy -o` wrote, for --accuracy.",
+    ),
+]  # fmt: skip
 CostEnd = Annotated[float, typer.Option("--t-end", help="Time to simulate each variant [s].")]
 FigureFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Figure to write, .png, .svg or .pdf.", show_default="none")

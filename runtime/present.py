@@ -12,6 +12,8 @@ from rich.padding import Padding
 from rich.table import Table
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from .tables import Table as ResultTable
 
 Data = dict[str, Any]
@@ -330,6 +332,16 @@ def modes(data: Data) -> None:
             f"{item['frequency_hz']:.2f}", f"{round(item['damping_ratio'], 4) + 0.0:.2%}", item["class"], energy
         )
     _console().print(table)
+
+
+def listed(tables: "list[ResultTable]", files: "list[Path]") -> None:
+    """Print tables, and the files that were written."""
+    console = _console()
+    for table in tables:
+        table.print(console)
+        console.print()
+    for file in files:
+        print(f"wrote {file}")
 
 
 def paper_run(data: Data, tables: dict[str, "ResultTable"]) -> None:

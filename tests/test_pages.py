@@ -9,10 +9,13 @@ from ltcgear.generated import store
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.kernel import over_time
 from ltcgear.runtime.library import build
+from ltcgear.runtime.precision.record import digest_numbers, read_record
+from ltcgear.runtime.stepper import METHODS
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
 
+from records import make_record
 from regenerate import ROOT
 
 
@@ -127,6 +130,37 @@ def test_hard_cases(benchmarks):
 
 def cells(line):
     return [cell.strip() for cell in line.strip("| ").split(" | ")]
+
+
+# --- accuracy
+
+
+@pytest.mark.parametrize("name", ["rig", "smooth", "contact", "stiff"])
+def test_accuracy(benchmarks, name):
+    """Tables, and the numbers in the conclusions, are those of the records; each record is of the case's model."""
+    accuracy = benchmarks("accuracy")
+    record = read_record(accuracy.record_path(name))
+    before, rest = accuracy.PAGE.read_text("utf-8").split(accuracy.BEGIN.format(name))
+    printed, rest = rest.split(accuracy.END.format(name))
+    conclusion = rest.split("\n## ")[0]
+    assert printed == accuracy.table(record)
+    assert conclusion == accuracy.correct(conclusion, record)
+    assert accuracy.FASTEST.search(conclusion)
+    assert accuracy.SLOWER.search(conclusion)
+    assert f"images/accuracy-{name}.png" in before
+    case = accuracy.CASES[name]
+    model = build_model(load_scene(case.scene, dict(case.changes)))
+    assert record["numbers"] == digest_numbers(model.values(), model.tables)
+    assert {point["method"] for point in record["points"]} == set(METHODS)
+    assert [entry["method"] for entry in record["best"]].count(None) == 0
+    assert record["reference"]["floor"] <= 1e-8
+
+
+def test_numbers_in_conclusions_are_corrected(benchmarks):
+    accuracy, record = benchmarks("accuracy"), make_record()
+    text = "So. For 0.01 % `{}` is the fastest, {} times real time; `erk` takes {} times as long as `cvodes` for 0.1 %."
+    text += " `erk` at rtol 1e-5 is off by {} in mesh force."
+    assert accuracy.correct(text.format("idas", 7, 9, 1), record) == text.format("erk", 0.12, 1.3, "5.0e-04")
 
 
 # --- long runs

@@ -4,11 +4,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import typer
 from ltcgear.generated.errors import LtcgearError, SolverError
 
 from .. import present
 from ..options import (
     SHORTEST_PAPER,
+    Accuracy,
     AsJson,
     Changes,
     CostEnd,
@@ -17,6 +19,7 @@ from ..options import (
     Method,
     Oversample,
     PaperEnd,
+    RecordFile,
     ResultFile,
     ResultFolder,
     Resume,
@@ -26,11 +29,13 @@ from ..options import (
 )
 from ..progress import progress
 from .app import InterruptedRunError, app
+from .measuring import check_accuracy, find_setting
 from .opening import compile_model, open_scene, open_variants, split_changes
 
 
 @app.command()
 def simulate(
+    context: typer.Context,
     scene: SceneName,
     output: ResultFile = None,
     t_end: EndTime = None,
@@ -39,11 +44,16 @@ def simulate(
     oversample: Oversample = 1,
     resume: Resume = False,
     verify: Verify = False,
+    accuracy: Accuracy = None,
+    record: RecordFile = None,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4, as it comes."""
-    summary = run(scene, changes, output, t_end, method, rtol, oversample, resume, verify)
+    sources = {name: context.get_parameter_source(name) for name in ("method", "rtol")}
+    given = [f"--{name}" for name, source in sources.items() if source and source.name == "COMMANDLINE"]
+    check_accuracy(accuracy, record, given)
+    summary = run(scene, changes, output, t_end, method, rtol, oversample, resume, verify, accuracy, record)
     present.show(as_json, summary, present.simulated)
     _finished(summary)
 
@@ -88,6 +98,8 @@ def run(
     oversample: int,
     resume: bool = False,
     verify: bool = False,
+    accuracy: str | None = None,
+    record_file: Path | None = None,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
     from ..recording import record
@@ -99,7 +111,13 @@ def run(
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
-    about = {"scene": opened.scene.name, "title": opened.scene.title}
+    about: dict[str, Any] = {"scene": opened.scene.name, "title": opened.scene.title}
+    told_of: dict[str, Any] = {}
+    if accuracy is not None:
+        setting = find_setting(opened, library, accuracy, record_file)
+        method, rtol = setting.method, setting.rtol
+        told_of = {"why": setting.why, "setting": setting.to_json()}
+        about["setting"] = told_of["setting"]
     with progress(f"simulate {opened.scene.name}", end) as told:
         options: dict[str, Any] = {
             "t_end": end,
@@ -116,7 +134,7 @@ def run(
             summary = simulate_model(library, opened.model.values(), **options).summary
         else:
             summary = record(library, opened.model.values(), output, resume=resume, **options)
-    return {"scene": opened.scene.name, **summary, "seconds": opened.seconds | summary["seconds"]}
+    return {"scene": opened.scene.name, **summary, **told_of, "seconds": opened.seconds | summary["seconds"]}
 
 
 @app.command()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.accuracy import _compare, _forces, _parting, estimate_accuracy
+from ltcgear.runtime.accuracy import _forces, compare_signals, estimate_accuracy, tell_parting
 from ltcgear.runtime.simulation import simulate
 from scipy.integrate import solve_ivp
 
@@ -21,7 +21,7 @@ def test_the_estimate_is_the_true_error(scene, rtol):
     assert estimate["reason"] is None
     assert list(estimate["meshes"]) == names
     for i, name in enumerate(names):
-        for key, true in _compare(*forces[:, together, i]).items():
+        for key, true in compare_signals(*forces[:, together, i]).items():
             assert true / 3 < estimate["meshes"][name][key] < 3 * true
     assert estimate["worst"] in names
 
@@ -39,7 +39,7 @@ def duffing(rtol, damping, force):
 @pytest.mark.parametrize(("damping", "force", "chaotic"), [(0.05, 7.5, True), (0.4, 0.5, False)])
 def test_only_chaotic_runs_part(damping, force, chaotic):
     forces = np.array([duffing(rtol, damping, force)[:, None] for rtol in (1e-6, 1e-7)])
-    reason = _parting(forces, np.ones(forces.shape[1], bool), 200.0)
+    reason = tell_parting(forces, np.ones(forces.shape[1], bool), 200.0)
     assert (reason is not None) == chaotic
 
 

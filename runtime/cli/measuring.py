@@ -1,0 +1,140 @@
+"""The command that measures what accuracy costs, and the choice of settings by what it found: accuracy."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from ltcgear.generated.errors import LtcgearError, SolverError
+
+from .. import present
+from ..options import AsJson, Changes, SceneName
+from ..progress import progress
+from .app import app
+from .opening import Opened, compile_model, open_scene
+from .testing import MethodNames, choose
+
+if TYPE_CHECKING:
+    from ..library import Library
+    from ..precision.selection import Setting
+
+PresetName = Annotated[
+    str, typer.Option("--preset", metavar="NAME", help="quick (some tolerances, under a minute) or full.")
+]
+StudyEnd = Annotated[
+    float | None,
+    typer.Option("--t-end", help="Time to simulate [s].", show_default="some pitches of the slowest mesh"),
+]
+Tolerances = Annotated[
+    list[float] | None,
+    typer.Option("--rtol", metavar="RTOL", help="A tolerance to run.", show_default="the preset's"),
+]
+RecordFolder = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", help="Folder for accuracy.json, accuracy.csv and figures.", show_default="none"),
+]
+
+
+@app.command()
+def accuracy(
+    scene: SceneName, output: RecordFolder = None, preset: PresetName = "quick", t_end: StudyEnd = None,
+    method: MethodNames = None, rtol: Tolerances = None, changes: Changes = None, as_json: AsJson = False,
+) -> None:  # fmt: skip
+    """Measure which accuracy every method gives for its time. Exit code 3 where there is no reference to judge by."""
+    from ..precision.listing import make_tables
+    from ..precision.phases import measure_phases
+    from ..precision.presets import check_preset
+    from ..precision.record import keep, write_record
+    from ..precision.study import phases_setting
+    from ..results import make_folder
+    from ..simulation import check_options
+    from ..stepper import METHODS, check_method
+
+    check_preset(preset)
+    methods = choose(method, list(METHODS), "method") if method else None
+    for name in methods or []:
+        check_method(name)
+    for tolerance in rtol or [1e-6]:
+        check_options("erk", tolerance, t_end)
+    if output is not None:
+        make_folder(output)
+    opened = open_scene(scene, changes)
+    record = measure(opened, compile_model(opened), preset, t_end=t_end, methods=methods, rtols=rtol)
+    arguments = [scene, *(part for change in changes or [] for part in ("--set", change))]
+    record["phases"] = measure_phases(arguments, record["t_end"], *phases_setting(record))
+    if not methods and not rtol and record["reference"]["reason"] is None:
+        keep(record)
+    files = []
+    if output is not None:
+        from ..precision.figures import draw_all
+
+        files = [*write_record(record, output), *draw_all(record, output)]
+    present.show(as_json, record, lambda shown: present.listed(make_tables(shown), files))
+    if record["reference"]["reason"] is not None:
+        raise SolverError(f"{scene}: no reference for errors: {record['reference']['reason']}")
+
+
+def measure(opened: Opened, library: "Library", preset: str, **wanted: Any) -> dict[str, Any]:  # noqa: ANN401
+    """Measure a scene that is built; ``wanted`` are times, methods and tolerances that are not the preset's."""
+    from ..hard.case import Bench
+    from ..precision.presets import check_preset
+    from ..precision.study import Wanted, run_study
+
+    model = opened.model
+    bench = Bench(library, model.values(), model.tables)
+    simulation = opened.scene.simulation
+    study = Wanted(
+        opened.scene.name, opened.scene.title, *_keys(opened), simulation.rate, simulation.t_end, preset,
+        check_preset(preset), **wanted,
+    )  # fmt: skip
+    with progress(f"measure {opened.scene.name}", 100, "%") as told:
+        return run_study(bench, study, lambda done: told(100 * done))
+
+
+def _keys(opened: Opened) -> tuple[str, str]:
+    """Return the keys of a model and of its numbers."""
+    from ..precision.record import digest_numbers
+
+    return opened.key, digest_numbers(opened.model.values(), opened.model.tables)
+
+
+def check_accuracy(asked: str | None, path: Path | None, given: list[str]) -> None:
+    """Refuse an accuracy, or a record, that cannot be served, before anything is computed.
+
+    ``given`` are options that say what the accuracy would choose.
+    """
+    from ..precision.record import read_record
+    from ..precision.selection import read_percentage
+
+    if asked is None:
+        if path is not None:
+            raise LtcgearError(f"--record {path}: say which error is wanted, for example --accuracy 0.1%")
+        return
+    read_percentage(asked)
+    if given:
+        raise LtcgearError(f"--accuracy chooses method and tolerance; leave out {' and '.join(given)}")
+    if path is not None:
+        read_record(path)
+
+
+def find_setting(opened: Opened, library: "Library", asked: str, path: Path | None) -> "Setting":
+    """Find method and tolerance for an accuracy: from the record given, the store's, or one that is made now.
+
+    One that is made now is kept, so that the wait comes once for a model with its numbers.
+    """
+    from ..precision.record import keep, kept_path, read_record
+    from ..precision.selection import read_percentage, select_setting
+
+    keys = _keys(opened)
+    limit, source = read_percentage(asked), path or kept_path(*keys)
+    if path is None and not source.is_file():
+        name = opened.scene.name
+        print(f"ltcgear: {name}: no record of its accuracy yet; measuring one (preset quick)", file=sys.stderr)
+        record = measure(opened, library, "quick")
+        if record["reference"]["reason"] is not None:
+            raise SolverError(f"{name}: no accuracy can be told: {record['reference']['reason']}")
+        keep(record)
+    setting = select_setting(read_record(source), source, limit, *keys)
+    if setting.warning:
+        print(f"ltcgear: warning: {setting.warning}", file=sys.stderr)
+    return setting
