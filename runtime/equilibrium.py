@@ -17,6 +17,8 @@ from .signals import Pairs, Signals
 Vector = NDArray[np.float64]
 ROUNDING = 1e-8
 """Deflection [m], [rad] whose force is what forces out of balance are compared with, where nothing else acts."""
+SETTLED = 1e-14
+"""Change [m], [rad] below which an iteration stands still: what rounding makes of lengths of a metre."""
 PULL = "contact.pull"
 """The parameter by which one-sided teeth may pull; 0 in every run."""
 PULLS = (1.0, 1e-3, 1e-6)
@@ -207,7 +209,7 @@ def _newton(library: Library, p: Vector, x: Vector, levels: Vector, signals: Vec
             raise SolverError(_unreachable(library, x, s, p))
         residual = _residual(library, force, np.abs(stiffness) @ (np.abs(x[position]) + ROUNDING) + load)
         delta = _solve(library, stiffness, force, x[position], load)
-        settled = np.abs(delta).max() <= 1e-7 * np.abs(x[position]).max() + ROUNDING**2
+        settled = np.abs(delta).max() <= 1e-7 * np.abs(x[position]).max() + SETTLED
         if residual < 1e-13 or (settled and residual < 1e-8 and residual > 0.3 * best):
             return Equilibrium(x, levels, residual, iteration, signals)
         best = min(best, residual)

@@ -11,7 +11,7 @@ from time import sleep
 
 import pytest
 from ltcgear.generated import store as generated_store
-from ltcgear.runtime import cli, library, native, present
+from ltcgear.runtime import cli, integration, library, native, present
 from ltcgear.symbolic.scene import shipped_scenes
 
 SHORT = ("--t-end", "0.01")
@@ -266,6 +266,7 @@ def test_an_interrupted_run_goes_on_or_is_begun_anew(run, tmp_path, monkeypatch)
     for last, told in (("--resume", ""), ("--json", "result.part.nc: an unfinished run is begun anew; --resume goes")):
         with monkeypatch.context() as patch:
             patch.setattr(cli.running, "progress", stopping)
+            patch.setattr(integration, "SLICE", 0.0)
             code, _, err = run(*command)
         assert code == 130
         assert err.startswith("ltcgear: interrupted at t = ")

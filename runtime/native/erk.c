@@ -130,7 +130,7 @@ static int advance_erk(march *m, double duration) {
     }
     combine(m, STAGES, MISS, h, m->zeros, m->trial);
     double gained = h * added(WEIGHT, power), missed = h * added(MISS, power);
-    double error = larger(size_of(m, m->trial, y, after), fabs(missed) / (m->rtol * (1 + fabs(work + gained))));
+    double error = larger(fabs(missed) / (m->rtol * (1 + fabs(work + gained))), size_of(m, m->trial, y, after));
     if (!(error <= 1)) {
       m->rejected += 1;
       rejected = 1;

@@ -4,6 +4,7 @@
 
 enum { DONE, NOT_FINITE, TOO_SMALL, TOO_MANY, TOGETHER, NOT_LOCATED, BESIDE, STOPPED };
 
+/* The larger and the smaller of two; the second one where either is no number. */
 static double larger(double one, double two) { return one > two ? one : two; }
 
 static double smaller(double one, double two) { return one < two ? one : two; }
