@@ -18,7 +18,7 @@ from .library import Library
 from .march import Snapshot
 from .part import Part, part_of
 from .reading import Reader, Rows, by_quantity
-from .results import check_target, make_dataset
+from .results import check_target, columns_of, make_dataset
 from .sampling import Block
 from .signals import Pairs
 from .simulation import (
@@ -184,7 +184,7 @@ class Recorder:
         self.part.seal(self._heading(attributes, outcome.extremes))
 
     def _append(self, rows: Rows) -> None:
-        self.part.append(make_dataset(self.library, rows))
+        self.part.append(columns_of(self.library, rows))
 
     def _heading(self, attributes: Mapping[str, Any], extremes: MeshExtremes | None = None) -> "xr.Dataset":
         """Return the result without any row."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from ltcgear.generated import store
 from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.kernel import over_time
+from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import build
 from ltcgear.runtime.precision.record import digest_numbers, read_record
 from ltcgear.runtime.stepper import METHODS
@@ -53,7 +53,7 @@ def loaded_shares(floating, scene, stiff):
     assert library.path is None
     p = library.parameters(model.values())
     at = find_equilibrium(library, p)
-    y = over_time(library.functions["outputs"], [at.x[None], at.s[None], p])[0]
+    y = Kernel(library.functions["outputs"])(at.x, at.s, p)[0]
     reports = enumerate(library.manifest.reports)
     forces = [y[i] for i, r in reports if r.quantity == "mesh_force" and r.item.startswith("lsp.sun_planet")]
     return np.array(forces) / np.mean(forces)
