@@ -2,6 +2,8 @@
 # Both need git, make, Python >= 3.11 and (for full speed) a C compiler; the rest goes into .venv.
 
 PYTHON ?= python3
+# Small matrices: threads of the linear algebra only wait for each other.
+export OPENBLAS_NUM_THREADS ?= 1
 BIN := .venv/bin
 
 .PHONY: rig test lint regenerate docs clean

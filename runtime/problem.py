@@ -83,16 +83,10 @@ def compiled_problem(library: Library) -> ca.Function:
         If there is no compiler.
     """
     compiler = store.compiler()
-    if compiler is None:
+    if compiler is None or library.code is None:
         raise LtcgearError("the model was compiled but the compiler is gone")
-    model = load(partial(store.library, library.artifact.c, compiler), _addresses)
+    model = [ctypes.cast(getattr(library.code, name), ctypes.c_void_p).value for name in CALLED]
     return load(partial(store.library, problem_c(library), compiler), partial(_bound, model))
-
-
-def _addresses(path: Path) -> list[int | None]:
-    """Return where a model's functions are."""
-    loaded = ctypes.CDLL(str(path))
-    return [ctypes.cast(getattr(loaded, name), ctypes.c_void_p).value for name in CALLED]
 
 
 def _bound(model: list[int | None], path: Path) -> ca.Function:

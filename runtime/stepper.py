@@ -191,34 +191,25 @@ class _CasadiStepper(_Base):
 
     def _make(self) -> ca.Function:
         options: dict[str, Any] = {"reltol": self.rtol, "abstol": self.rtol, "max_num_steps": MOST_STEPS}
-        if self.method in MULTISTEP:
-            options |= {"linear_solver": "csparse", "show_eval_warnings": False, "quad_err_con": True}
+        options |= {"linear_solver": "csparse", "show_eval_warnings": False, "quad_err_con": True}
         if self.method == "adams":
             # Such steps are short enough for iteration without a Jacobian, which costs less than half.
             options |= {"linear_multistep_method": "adams", "nonlinear_solver_iteration": "functional"}
         if self.method == "idas":
             options["max_num_steps"] = MOST_STEPS // 5
-        elif self.method in MULTISTEP:
+        else:
             options["min_step_size"] = SMALLEST
-        problem = self._problem()
+        problem = compiled_problem(self.library)
         return ca.integrator("segment", PLUGINS.get(self.method, self.method), problem, 0, self.nodes.tolist(), options)
-
-    def _problem(self) -> Any:  # noqa: ANN401
-        """Return the scaled problem as C; without a compiler as a graph, of calls where a Jacobian is called too."""
-        if self.library.path is not None:
-            return compiled_problem(self.library)
-        if self.method in MULTISTEP:
-            return scaled_problem(self.library, self.library.functions, ca.MX)
-        return scaled_problem(self.library, self.library.graphs, ca.SX)
 
     def _count(self, duration: float) -> None:
         stats = self.function.stats(BUFFERED)
         self.counts.segments += 1
-        self.counts.steps += stats.get("nsteps", stats.get("n_steps", 0))
-        self.counts.rhs += stats.get("nfevals", stats.get("n_rhs", 0))
+        self.counts.steps += stats["nsteps"]
+        self.counts.rhs += stats["nfevals"]
         # A set-up of the linear solver is a Jacobian: cvodes keeps none; calls are counted over all segments.
-        self.counts.jacobian += stats.get("nlinsetups", stats.get("n_jac", 0))
-        self.counts.rejected += stats.get("netfails", stats.get("n_reject", 0))
+        self.counts.jacobian += stats["nlinsetups"]
+        self.counts.rejected += stats["netfails"]
 
 
 TALLY = """

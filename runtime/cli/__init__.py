@@ -1,5 +1,10 @@
 """The command line, the one place that knows all three parts: scene -> model -> C -> results."""
 
+import os
+
+# The matrices are small: threads of the linear algebra would only wait for each other (seen: 100 ms in place of 1).
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 from . import describe, measuring, running, testing
 from .app import app, main
 

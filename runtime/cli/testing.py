@@ -4,16 +4,18 @@ import os
 from collections.abc import Mapping
 from difflib import get_close_matches
 from functools import cache
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from ltcgear.generated.errors import LtcgearError
 
 from .. import present
-from ..hard.case import Bench
 from ..options import AsJson, FigureFile
 from ..progress import progress
 from .app import app
+
+if TYPE_CHECKING:
+    from ..hard.case import Bench
 
 Full = Annotated[bool, typer.Option("--full", help="The long form: longer runs, some minutes.")]
 CaseNames = Annotated[
@@ -24,13 +26,13 @@ MethodNames = Annotated[
 ]
 
 
-def open_bench(name: str, changes: Mapping[str, str]) -> Bench:
+def open_bench(name: str, changes: Mapping[str, str]) -> "Bench":
     """Build a scene and put it on the test bench; the same scene is built once a process."""
     return _bench(name, tuple(sorted(changes.items())))
 
 
 @cache
-def _bench(name: str, changes: tuple[tuple[str, str], ...]) -> Bench:
+def _bench(name: str, changes: tuple[tuple[str, str], ...]) -> "Bench":
     """Build a scene."""
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import obtain

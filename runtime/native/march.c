@@ -28,18 +28,18 @@ static int integrate(march *m, double duration) {
  * polynomial through the nodes leaves out is about as large as its last terms. */
 static int resolves(march *m) {
   const whole n = m->n, nodes = m->n_nodes;
-  double error = 0;
+  double error = 0, *one = m->trial, *two = m->y, *most = m->y_after;
   if (m->uniform) return 1;
-  for (whole i = 0; i < n; ++i) {
-    double one = 0, two = 0, most = 1.0;
-    for (whole j = 0; j < nodes; ++j) {
-      double z = m->path[j * n + i];
-      one += m->last_terms[j] * z;
-      two += m->last_terms[nodes + j] * z;
-      most = larger(most, fabs(z));
+  for (whole i = 0; i < n; ++i) one[i] = two[i] = 0, most[i] = 1.0;
+  for (whole j = 0; j < nodes; ++j) {
+    const double *z = m->path + j * n, before_last = m->last_terms[j], last = m->last_terms[nodes + j];
+    for (whole i = 0; i < n; ++i) {
+      one[i] += before_last * z[i];
+      two[i] += last * z[i];
+      most[i] = larger(most[i], fabs(z[i]));
     }
-    error = larger(error, larger(fabs(one), fabs(two)) / most);
   }
+  for (whole i = 0; i < n; ++i) error = larger(error, larger(fabs(one[i]), fabs(two[i])) / most[i]);
   error /= m->unresolved;
   double factor = smaller(larger(pow(0.1 / larger(error, 1e-12), 1 / (double)nodes), 0.25), 4.0);
   int resolved = error <= 1.0 || m->reached <= m->shortest;

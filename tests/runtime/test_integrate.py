@@ -319,7 +319,7 @@ def counted():
     c = case("rig-2mw")
     artifact = replace(c.library.artifact, c=with_counters(c.library.artifact.c))
     path = store.library(artifact.c, store.compiler())
-    library = Library(artifact.manifest, path, external(path), artifact)
+    library = Library(artifact.manifest, path, external(path), artifact, ctypes.CDLL(str(path)))
     read = ctypes.CDLL(str(path)).ltcgear_called
     read.restype, read.argtypes = ctypes.c_longlong, [ctypes.c_int]
     return c, library, read

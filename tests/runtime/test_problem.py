@@ -56,12 +56,12 @@ def test_the_problem_in_c_is_the_graph_and_its_derivative(settings):
         matrix = wanted[1](*at)[0].reshape(len(ode), len(ode), order="F")
         shown = np.zeros_like(matrix)
         shown[inside.get_triplet()] = functions["jacF"](*at)[0]
-        assert np.abs(functions["daeF"](*at)[0] - ode).max() <= 1e-11 * np.abs(ode).max() > 0
+        assert np.abs(functions["daeF"](*at)[0] - ode).max() <= 1e-10 * np.abs(ode).max() > 0  # products are fused in C
         assert functions["quadF"](*at)[0] == pytest.approx(power, rel=1e-9)
         assert functions["dae"](*at)[0] == pytest.approx(functions["daeF"].results[0], rel=1e-15)
         assert functions["dae"].results[2] == pytest.approx(functions["quadF"].results[0], rel=1e-15)
         size = np.maximum(np.abs(matrix).max(axis=1, keepdims=True), 1e-300)
-        assert (np.abs(shown - matrix) / size).max() < 1e-11
+        assert (np.abs(shown - matrix) / size).max() < 1e-10
 
 
 def test_signals_go_on_at_their_rates_within_a_segment():
@@ -81,7 +81,7 @@ def test_two_models_of_one_shape_do_not_share_what_is_bound():
     c = case("rig-2mw")
     artifact = replace(c.library.artifact, c=with_counters(c.library.artifact.c))
     path = store.library(artifact.c, store.compiler())
-    other = Library(artifact.manifest, path, external(path), artifact)
+    other = Library(artifact.manifest, path, external(path), artifact, ctypes.CDLL(str(path)))
     one, two = served(c.library)["daeF"], served(other)["daeF"]
     called = ctypes.CDLL(str(path)).ltcgear_called
     called.restype, called.argtypes = ctypes.c_longlong, [ctypes.c_int]

@@ -1,0 +1,1 @@
+"""Growth: what planets and stages cost (``python -m benchmarks.growth``)."""
