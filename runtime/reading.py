@@ -41,6 +41,14 @@ def join_rows(rows: list[Rows]) -> Rows:
     return Rows(**{name: np.concatenate([vars(r)[name] for r in rows]) for name in vars(rows[0])})
 
 
+def no_rows(library: Library) -> Rows:
+    """Return no rows."""
+    manifest = library.manifest
+    sizes = {"values": manifest.reports, "x": manifest.states, "levels": manifest.levels}
+    none: dict[str, Vector] = {name: np.zeros((0, len(items))) for name, items in sizes.items()}
+    return Rows(np.zeros(0, dtype=np.int64), np.zeros(0), **none)
+
+
 def by_quantity(library: Library) -> dict[str, list[int]]:
     """Return quantity -> columns of the output vector."""
     columns: dict[str, list[int]] = {}
