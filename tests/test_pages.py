@@ -1,5 +1,6 @@
 """Tables of docs/: what they print is what the code computes."""
 
+import json
 from importlib import import_module
 from math import pi
 
@@ -240,3 +241,18 @@ def test_the_page_of_the_peers_holds_all(benchmarks):
     assert tools["stage"] == tools["torsion"] == {runners.OURS, runners.EXUDYN}
     assert all(data[key]["uncertainty"] < 1e-6 for key in tools)
     assert len(data["checks"]) == 6  # two in C, NumPy, two of Exudyn, PyDy
+
+
+# --- ensembles
+
+
+def test_the_page_of_ensembles_tells_what_was_measured(benchmarks):
+    ensemble = benchmarks("ensemble")
+    data = json.loads(ensemble.DATA.read_text("utf-8"))
+    text = ensemble.PAGE.read_text("utf-8").split(ensemble.BEGIN)[1].split(ensemble.END)[0]
+    assert text == ensemble.table(data)
+    assert tuple(data["scenes"]) == ensemble.SCENES
+    for found in data["scenes"].values():
+        assert found["runs"] == ensemble.RUNS
+        # More workers do not cost more work.
+        assert ensemble.least(found, "several", "cpu") < 1.15 * ensemble.least(found, "one", "cpu")
