@@ -38,6 +38,7 @@ def _bench(name: str, changes: tuple[tuple[str, str], ...]) -> "Bench":
     from ltcgear.symbolic.pipeline import obtain
     from ltcgear.symbolic.scene import load_scene
 
+    from ..hard.case import Bench
     from ..library import build
 
     model = build_model(load_scene(name, dict(changes)))

@@ -36,7 +36,7 @@ class Preset:
 
 PRESETS = {
     "quick": Preset((1e-3, 1e-4, 1e-5, 1e-6, 1e-8), 1.1, 256, 3.0, 15.0),
-    "full": Preset(tuple(10 ** (-k / 2) for k in range(6, 23)), 2.2, 512, 10.0, 60.0),
+    "full": Preset(tuple(10 ** (-k / 2) for k in range(6, 23)), 2.2, 512, 5.0, 45.0),
 }
 
 

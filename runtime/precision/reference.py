@@ -109,9 +109,7 @@ def find_reference(bench: Bench, patience: Patience, *, t_end: float, rate: floa
             break
     runs = [{"method": method, "rtol": rtol, "seconds": path.seconds["integrate"]} for method, rtol, path in found]
     if len(found) < 2:
-        reason = (
-            f"fewer than two methods reach the end at rtol {RTOLS[-1]:g} or less, so that none can be told to be right"
-        )
+        reason = f"fewer than two methods reach the end at rtol {RTOLS[-1]:g} or less; try a shorter --t-end"
         return Reference(None, runs, {}, None, reason, failures)
     samples = [take_samples(bench, path) for _, _, path in found]
     exact, reading = _exact(bench, found[0][2], samples[0]), _reading(bench, [method for method, _, _ in found])

@@ -95,8 +95,7 @@ class Sweep:
             told(0.7 * (done + 1) / len(points))
         timed = choose_timed(points, self.budget)
         for turn in range(ROUNDS):
-            for point in timed:
-                self._time(bench, point)
+            timed = [point for point in timed if self._time(bench, point)]
             told(0.7 + 0.3 * (turn + 1) / ROUNDS)
         return points
 
@@ -117,14 +116,20 @@ class Sweep:
             point.errors = find_errors(reference.samples, take_samples(bench, path))
             point.trusted = reference.trusts(point.errors)
 
-    def _time(self, bench: Bench, point: Point) -> None:
-        """Run a point once without samples, and once with samples and outputs."""
-        run = partial(bench.run, point.method, rtol=point.rtol, t_end=self.t_end)
-        point.integrator.append(run(rate=1 / self.t_end).seconds["integrate"])
-        path = run(rate=self.rate)
+    def _time(self, bench: Bench, point: Point) -> bool:
+        """Run a point once without samples, and once with samples and outputs; False, and no times, if it fails."""
+        run = partial(Patience(np.inf).run, bench, point.method, point.rtol, t_end=self.t_end)
+        try:
+            point.integrator.append(run(rate=1 / self.t_end).seconds["integrate"])
+            path = run(rate=self.rate)
+        except LtcgearError:
+            point.integrator.clear()
+            point.user.clear()
+            return False
         clock = perf_counter()
         outputs_of(bench.library, Clocks(bench.library.manifest, bench.p), path)
         point.user.append(path.seconds["integrate"] + perf_counter() - clock)
+        return True
 
 
 def choose_timed(points: Sequence[Point], budget: float) -> list[Point]:

@@ -6,7 +6,7 @@ from math import log10, pi, sqrt
 
 import numpy as np
 import pytest
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime.hard.case import Bench
 from ltcgear.runtime.precision import reference as references
 from ltcgear.runtime.precision.errors import KINDS, Samples, find_errors, take_samples, value_of
@@ -199,6 +199,21 @@ def test_gaps_have_their_reasons(linear, monkeypatch):
     assert [reasons["idas", rtol] for rtol in sweep.rtols] == ["not for this model"] * 3
     assert points[0].errors == {}
     assert points[0].counts["steps"] > 0
+
+
+def test_a_point_whose_repetition_fails_is_timed_once(linear, monkeypatch):
+    run = Patience.run
+
+    def failing(self, bench, method, rtol, **options):
+        if method == "cvodes" and self.seconds == np.inf:
+            raise SolverError("not again")
+        return run(self, bench, method, rtol, **options)
+
+    monkeypatch.setattr(Patience, "run", failing)
+    sweep = Sweep(("erk", "cvodes"), (1e-3,), 0.002, RATE, Patience(60.0), 60.0)
+    erk, cvodes = (p.to_json(0.002) for p in sweep.measure(linear, Reference(None, [], {}, None, "none")))
+    assert (erk["rounds"], cvodes["rounds"], cvodes["reason"]) == (ROUNDS, 0, None)
+    assert cvodes["seconds"] > 0
 
 
 def test_a_study_is_a_whole_record(linear):
