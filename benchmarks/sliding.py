@@ -10,9 +10,10 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.integration import integrate
-from ltcgear.runtime.kernel import Vector, over_time
+from ltcgear.runtime.kernel import Vector
 from ltcgear.runtime.library import build
 from ltcgear.runtime.plots import BLUE, GREY, ORANGE, SKY
 from ltcgear.symbolic import gears
@@ -129,7 +130,7 @@ def simulate(z1: int, z2: int, speed: float = SPEED, torque: float = TORQUE, pit
     path = integrate(library, p, at, t_end=pitches / rate, rate=rate * SAMPLES, method="erk", rtol=1e-8)
     if path.status != "done":
         raise RuntimeError(path.status)
-    outputs, energy = (over_time(library.functions[name], [path.x, path.s, p])[:-1] for name in ("outputs", "energy"))
+    outputs, energy = (over_time(library, name, path.x, path.s, p)[:-1] for name in ("outputs", "energy"))
     # Planets of these teeth are all at the same phase, so the first stands for all.
     mesh = "gears.mesh" if z1 > 0 else "gears.ring_planet.1"
     of = {report.quantity: i for i, report in enumerate(library.manifest.reports) if report.item == mesh}

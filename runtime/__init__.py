@@ -12,6 +12,7 @@ _HOME = {
     "record": "recording",
     "save": "results",
     "simulate": "simulation",
+    "simulate_many": "ensemble",
 }
 __all__ = list(_HOME)
 

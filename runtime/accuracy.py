@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .batch import over_time
 from .equilibrium import Equilibrium
 from .integration import Told, Trajectory, integrate
-from .kernel import over_time
 from .library import Library
 from .signals import Pairs
 
@@ -73,7 +73,7 @@ def _forces(library: Library, p: Vector, runs: list[Trajectory]) -> tuple[list[s
     """Return the names of the meshes and their forces [N], shape (runs, times, meshes)."""
     reports = library.manifest.reports
     rows = [i for i, report in enumerate(reports) if report.quantity == "mesh_force"]
-    outputs = [over_time(library.functions["outputs"], [run.x, run.s, p])[:, rows] for run in runs]
+    outputs = [over_time(library, "outputs", run.x, run.s, p)[:, rows] for run in runs]
     return [reports[i].item for i in rows], np.array(outputs)
 
 

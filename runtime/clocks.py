@@ -7,14 +7,14 @@ reference is known exactly, and so is what is left of it after whole periods.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import lcm, pi
 
-import casadi as ca
 import numpy as np
 from ltcgear.generated.contract import Clock, Manifest
 from numpy.typing import NDArray
 
-from .kernel import Kernel
+from .batch import Batch
 
 Vector = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -84,12 +84,12 @@ class Clocks:
         found = (self.by_mesh.get(mesh) for mesh in meshes)
         return np.array([course.after(turns)[0] if course else 0 for course in found], dtype=np.int64)
 
-    def outputs(self, function: ca.Function, x: Vector, s: Vector, phi: Vector, turns: Whole) -> Vector:
+    def outputs(self, batch: Batch, x: Vector, s: Vector, phi: Vector, turns: Whole) -> Vector:
         """Evaluate the outputs at many times.
 
         Parameters
         ----------
-        function
+        batch
             The model's ``outputs``.
         x, s
             States, levels and signals, shapes (m, n) and (m, n_s).
@@ -101,16 +101,14 @@ class Clocks:
         numpy.ndarray
             Shape (m, n_y). Mesh phases lack the cycles that the turns took off, see `unwound`.
         """
-        kernel, out = Kernel(function), np.empty((len(x), function.nnz_out(0)))
-        for k, turned in enumerate(turns):
-            if k == 0 or turned != turns[k - 1]:
-                kernel.arguments[2][:] = self.parameters(int(turned))
-            kernel.arguments[0][:], kernel.arguments[1][:] = x[k], s[k]
-            if self.angle is not None:
-                kernel.arguments[0][self.angle] = phi[k]
-            kernel.evaluate()
-            out[k] = kernel.results[0]
-        return out
+        x, cuts = x.copy(), np.flatnonzero(np.diff(turns)) + 1
+        if self.angle is not None:
+            x[:, self.angle] = phi
+        found = [
+            batch(x[first:last], s[first:last], self.parameters(int(turns[first])))
+            for first, last in pairwise([0, *cuts, len(turns)])
+        ]
+        return np.concatenate(found)
 
     def unwound(self, mesh: str, turns: Whole) -> Vector:
         """Return what a mesh's phase [cycles] lacks after some turns, shape (m,)."""

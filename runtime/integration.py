@@ -107,12 +107,18 @@ class Integration:
         except RuntimeError as error:
             raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
         self.push: Push = lambda block: None
+        self.status = self.cause = ""
         self.samples = Samples(self.march, last, rate, self._push)
         self.seconds = {"prepare": perf_counter() - clock, "integrate": 0.0, "outputs": 0.0}
         self.clock = perf_counter()
 
     def proceed(self, push: Push, told: Told = lambda t: None, mark: Callable[[], None] = lambda: None) -> Outcome:
-        """Integrate to the end.
+        """Integrate to the end: ``follow``, then ``conclude``."""
+        self.follow(push, told, mark)
+        return self.conclude()
+
+    def follow(self, push: Push, told: Told = lambda t: None, mark: Callable[[], None] = lambda: None) -> None:
+        """Integrate to the end; with ``erk`` nothing of CasADi is touched, so that another thread may do it.
 
         Parameters
         ----------
@@ -126,10 +132,24 @@ class Integration:
         """
         self.push, self.clock = push, perf_counter()
         with Brake() as brake:
-            status = self._proceed(told, mark, brake)
+            self.status = self._proceed(told, mark, brake)
         self.samples.flush()
         self._tick("integrate")
-        return self._outcome(status)
+
+    def conclude(self) -> Outcome:
+        """Return how it went; switchings that kinematics does not call for are a failure."""
+        march, events, status = self.march, self.march.counts.events, self.status
+        if self.cause:
+            status += f": {explain(march) or f'{self.cause}; {CURE}'}"
+        expected = march.expected_events()
+        if status == "done" and expected != events:
+            status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
+        energy = march.first_energy, march.energy(march.z, march.cells, self.signals.at(march.time))
+        end = min(march.time, self.samples.end)
+        return Outcome(
+            march.state.work, march.state.jump_energy, energy, march.counts, expected, march.extremes, status, end,
+            self.seconds,
+        )  # fmt: skip
 
     def snapshot(self) -> Snapshot:
         """Return all that the integration needs to go on as if it had not stopped."""
@@ -157,8 +177,8 @@ class Integration:
             try:
                 march.proceed(SLICE)
             except RuntimeError as error:
-                cause = str(error).strip().splitlines()[-1][:200]
-                return f"{self.stopped.format(march.time)}: {explain(march) or f'{cause}; {CURE}'}"
+                self.cause = str(error).strip().splitlines()[-1][:200]
+                return self.stopped.format(march.time)
             finally:
                 samples.take()
             now = perf_counter()
@@ -178,19 +198,6 @@ class Integration:
         now = perf_counter()
         self.seconds[stage] += now - self.clock
         self.clock = now
-
-    def _outcome(self, status: str) -> Outcome:
-        """Return how it went; switchings that kinematics does not call for are a failure."""
-        march, events = self.march, self.march.counts.events
-        expected = march.expected_events()
-        if status == "done" and expected != events:
-            status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
-        energy = march.first_energy, march.energy(march.z, march.cells, self.signals.at(march.time))
-        end = min(march.time, self.samples.end)
-        return Outcome(
-            march.state.work, march.state.jump_energy, energy, march.counts, expected, march.extremes, status, end,
-            self.seconds,
-        )  # fmt: skip
 
 
 def integrate(

@@ -44,33 +44,3 @@ class Kernel:
         self._evaluate()
         if self._buffer.ret() != 0:
             raise RuntimeError(f"{self.function.name()} failed")
-
-
-def over_time(function: ca.Function, columns: list[Vector]) -> Vector:
-    """Evaluate a function at many times.
-
-    Parameters
-    ----------
-    function
-        One dense result.
-    columns
-        Per argument an array of shape (times, size), or (size,) where it does not change.
-
-    Returns
-    -------
-    numpy.ndarray
-        Shape (times, size of the result).
-    """
-    kernel = Kernel(function)
-    times = max(len(c) for c in columns if c.ndim == 2)
-    out = np.empty((times, function.nnz_out(0)))
-    for array, column in zip(kernel.arguments, columns, strict=True):
-        if column.ndim == 1:
-            array[:] = column
-    moving = [(a, c) for a, c in zip(kernel.arguments, columns, strict=True) if c.ndim == 2]
-    for k in range(times):
-        for array, column in moving:
-            array[:] = column[k]
-        kernel.evaluate()
-        out[k] = kernel.results[0]
-    return out

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .library import Library, load
 from .switching import AT_BORDER
 
-SOURCES = ("head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c")
+SOURCES = ("head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c", "rows.c")
 NEEDED = "simulating needs a C compiler, and none was found; install gcc or clang, or name one with CC"
 FAULTS = (
     "",
@@ -136,7 +136,31 @@ def engine() -> ctypes.CDLL:
     found.ltcgear_march.argtypes = [ctypes.POINTER(State), ctypes.c_longlong, ctypes.c_double]
     found.ltcgear_pass.argtypes = [ctypes.POINTER(State), ctypes.c_double, ctypes.c_double]
     found.ltcgear_pass.restype = None
+    column = (ctypes.c_void_p, ctypes.c_longlong)
+    found.ltcgear_rows.argtypes = [ctypes.POINTER(Function), ctypes.c_longlong, *column * 4]
     return found
+
+
+def bound(library: Library, name: str) -> tuple[Function, list[NDArray[Any]]]:
+    """Return a generated function for the C to call, and the arrays of arguments, results and work that it needs.
+
+    Raises
+    ------
+    CompileError
+        If the model is not compiled.
+    """
+    if library.code is None:
+        raise CompileError(NEEDED)
+    function: ca.Function = library.functions[name]
+    arrays = [
+        np.zeros(max(size, 4), dtype)
+        for size, dtype in (
+            (function.sz_arg(), np.uint64), (function.sz_res(), np.uint64), (function.sz_iw(), np.int64),
+            (function.sz_w(), np.float64),
+        )
+    ]  # fmt: skip
+    code = ctypes.cast(getattr(library.code, name), ctypes.c_void_p).value
+    return Function(code, *(array.ctypes.data for array in arrays)), arrays
 
 
 class Native:
@@ -175,21 +199,11 @@ class Native:
 
     def bind(self, name: str, library: Library, results: dict[int, str]) -> None:
         """Let the C call a generated function, whose results go to arrays that are shared."""
-        if library.code is None:
-            raise CompileError(NEEDED)
-        function: ca.Function = library.functions[name]
-        arrays = [
-            np.zeros(max(size, 4), dtype)
-            for size, dtype in (
-                (function.sz_arg(), np.uint64), (function.sz_res(), np.uint64), (function.sz_iw(), np.int64),
-                (function.sz_w(), np.float64),
-            )
-        ]  # fmt: skip
+        function, arrays = bound(library, name)
         for place, target in results.items():
             arrays[1][place] = self.arrays[target].ctypes.data
-        code = ctypes.cast(getattr(library.code, name), ctypes.c_void_p).value
         self._bound.append(arrays)
-        setattr(self.state, name, Function(code, *(array.ctypes.data for array in arrays)))
+        setattr(self.state, name, function)
 
     def call_back(self, advance: Any) -> None:  # noqa: ANN401
         """Let the C integrate by a function of Python's, of a duration [s], which returns the number of a fault."""

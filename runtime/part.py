@@ -4,10 +4,12 @@ While a run goes on its rows are appended to ``NAME.part.nc``, a NetCDF file of 
 offsets: a heading that is written once, then one record a row, all variables after each other in big-endian
 numbers of 4 or 8 bytes, so without padding (NetCDF Classic Format Specification). How many records there are
 stands in bytes 4 to 8 and is written after them, so that a killed run leaves a whole file; HDF5 would be
-broken where it is killed while it writes. At the end rows are copied to compressed NetCDF4.
+broken where it is killed while it writes. At the end rows are copied to NetCDF4, not compressed:
+the last digits of an integration are noise, so a fifth of the room is all that packing would save, for more time than
+the run itself takes.
 """
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -94,13 +96,13 @@ class Part:
         """Close it."""
         self.file.close()
 
-    def append(self, rows: "xr.Dataset") -> None:
-        """Append rows; once this returns they outlast the program."""
-        records = np.zeros(rows.sizes["time"], self.record)
+    def append(self, columns: Mapping[str, NDArray[Any]]) -> None:
+        """Append rows, given by variable; once this returns they outlast the program."""
+        records = np.empty(len(columns["time"]), self.record)
         for name in self.record.names or ():
-            records[name] = rows[name].values
+            records[name] = columns[name]
         with _writing(self.path):
-            self._put(self.begin + self.rows * self.record.itemsize, records.tobytes())
+            self._put(self.begin + self.rows * self.record.itemsize, records.view(np.uint8).data)
             self._count(self.rows + len(records))
         self.rows += len(records)
 
@@ -108,7 +110,7 @@ class Part:
         """Write how many rows there are."""
         self._put(4, rows.to_bytes(4, "big"))
 
-    def _put(self, place: int, data: bytes) -> None:
+    def _put(self, place: int, data: bytes | memoryview) -> None:
         """Write bytes at a place."""
         self.file.seek(place)
         left = memoryview(data)
@@ -143,17 +145,15 @@ class Part:
             draft.unlink(missing_ok=True)
 
     def _copy(self, heading: "xr.Dataset", result: Any) -> None:  # noqa: ANN401
-        """Copy all rows, chunk by chunk."""
+        """Copy all rows, block by block."""
         copies = {}
+        result.set_fill_off()
         for name in self.record.names or ():
-            source, options = heading[name], dict[str, Any]()
-            if source.dtype.kind == "f":
-                options = {"zlib": True, "complevel": 1, "shuffle": True, "fill_value": np.nan}
-            shape = (min(BLOCK, self.rows), *source.shape[1:])
-            copied = result.createVariable(name, source.dtype, source.dims, chunksizes=shape, **options)
+            source = heading[name]
+            options: dict[str, Any] = {"fill_value": np.nan} if source.dtype.kind == "f" else {}
+            copied = result.createVariable(name, source.dtype, source.dims, contiguous=True, **options)
             copied.setncatts(source.attrs)
             copied.set_auto_mask(False)
-            copied.set_var_chunk_cache(size=source.dtype.itemsize * int(np.prod(shape)), nelems=1)
             copies[name] = copied
         start = 0
         for records in self._blocks():

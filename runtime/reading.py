@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .batch import Batch
 from .clocks import Clocks
 from .integration import Trajectory
 from .library import Library
@@ -40,6 +41,14 @@ def join_rows(rows: list[Rows]) -> Rows:
     return Rows(**{name: np.concatenate([vars(r)[name] for r in rows]) for name in vars(rows[0])})
 
 
+def no_rows(library: Library) -> Rows:
+    """Return no rows."""
+    manifest = library.manifest
+    sizes = {"values": manifest.reports, "x": manifest.states, "levels": manifest.levels}
+    none: dict[str, Vector] = {name: np.zeros((0, len(items))) for name, items in sizes.items()}
+    return Rows(np.zeros(0, dtype=np.int64), np.zeros(0), **none)
+
+
 def by_quantity(library: Library) -> dict[str, list[int]]:
     """Return quantity -> columns of the output vector."""
     columns: dict[str, list[int]] = {}
@@ -50,9 +59,13 @@ def by_quantity(library: Library) -> dict[str, list[int]]:
 
 def outputs_of(library: Library, clocks: Clocks, samples: Block | Trajectory) -> Vector:
     """Evaluate the outputs at samples, shape (m, n_y); mesh phases count on over all turns."""
-    outputs = library.functions["outputs"]
-    values = clocks.outputs(outputs, samples.x, samples.s, samples.phi, samples.turns)
-    for column, report in enumerate(library.manifest.reports):
+    return _outputs(Batch(library, "outputs"), clocks, samples)
+
+
+def _outputs(batch: Batch, clocks: Clocks, samples: Block | Trajectory) -> Vector:
+    """Evaluate the outputs by a function that is bound already."""
+    values = clocks.outputs(batch, samples.x, samples.s, samples.phi, samples.turns)
+    for column, report in enumerate(batch.library.manifest.reports):
         if report.quantity == "mesh_phase":
             values[:, column] += clocks.unwound(report.item, samples.turns)
     return values
@@ -78,7 +91,7 @@ class Reader:
     """
 
     def __init__(self, library: Library, p: Vector, rate: float, oversample: int) -> None:
-        self.library, self.clocks = library, Clocks(library.manifest, p)
+        self.batch, self.clocks = Batch(library, "outputs"), Clocks(library.manifest, p)
         self.rate, self.oversample = rate, oversample
         columns = by_quantity(library)
         self.filters = oversample > 1 and "velocity_x" in columns
@@ -88,7 +101,7 @@ class Reader:
 
     def read(self, block: Block) -> Rows:
         """Take in a block; return the rows that are ready."""
-        values = outputs_of(self.library, self.clocks, block)
+        values = _outputs(self.batch, self.clocks, block)
         index = self.taken + np.arange(len(block.time), dtype=np.int64)
         self.taken += len(index)
         new = Rows(index, block.time, values, block.x, block.levels)

@@ -17,8 +17,8 @@ from .integration import Integration, Outcome
 from .library import Library
 from .march import Snapshot
 from .part import Part, part_of
-from .reading import Reader, Rows, by_quantity
-from .results import check_target, make_dataset
+from .reading import Reader, Rows, by_quantity, no_rows
+from .results import check_target, columns_of, make_dataset
 from .sampling import Block
 from .signals import Pairs
 from .simulation import (
@@ -184,14 +184,11 @@ class Recorder:
         self.part.seal(self._heading(attributes, outcome.extremes))
 
     def _append(self, rows: Rows) -> None:
-        self.part.append(make_dataset(self.library, rows))
+        self.part.append(columns_of(self.library, rows))
 
     def _heading(self, attributes: Mapping[str, Any], extremes: MeshExtremes | None = None) -> "xr.Dataset":
         """Return the result without any row."""
-        manifest = self.library.manifest
-        sizes = {"values": manifest.reports, "x": manifest.states, "levels": manifest.levels}
-        none: dict[str, Vector] = {name: np.zeros((0, len(items))) for name, items in sizes.items()}
-        heading = make_dataset(self.library, Rows(np.zeros(0, dtype=np.int64), np.zeros(0), **none), extremes)
+        heading = make_dataset(self.library, no_rows(self.library), extremes)
         return heading.assign_attrs(attributes)
 
 

@@ -17,7 +17,6 @@ from .kernel import Kernel
 from .library import Library
 from .reading import Rows, by_quantity
 from .scaling import UNLOADED
-from .statistics import BLOCK
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,24 +84,32 @@ def make_dataset(library: Library, rows: Rows, extremes: MeshExtremes | None = N
     """
     import xarray as xr
 
-    coordinates: dict[str, Any] = {"time": ("time", rows.time, {"units": "s", "long_name": "time"})}
+    manifest, columns = library.manifest, columns_of(library, rows)
+    coordinates: dict[str, Any] = {"time": ("time", columns.pop("time"), {"units": "s", "long_name": "time"})}
     data: dict[str, Any] = {}
-    for quantity, columns in by_quantity(library).items():
-        dimension = _dimension(library, quantity, columns, coordinates)
-        meta = {"units": library.manifest.reports[columns[0]].unit or "1", "long_name": LONG_NAMES[quantity]}
-        data[quantity] = (("time", dimension), rows.values[:, columns], meta)
+    for quantity, places in by_quantity(library).items():
+        dimension = _dimension(library, quantity, places, coordinates)
+        meta = {"units": manifest.reports[places[0]].unit or "1", "long_name": LONG_NAMES[quantity]}
+        data[quantity] = (("time", dimension), columns[quantity], meta)
     if "mesh_force" in data and extremes is not None:
         data |= _extremes(extremes)
-    if library.manifest.levels:
-        coordinates["switched_mesh"] = list(library.manifest.levels)
+    if manifest.levels:
+        coordinates["switched_mesh"] = list(manifest.levels)
         meta = {"units": "1", "long_name": LONG_NAMES["mesh_level"]}
-        data["mesh_level"] = (("time", "switched_mesh"), rows.levels.astype(np.int8), meta)
-    coordinates["state_name"] = [state.name for state in library.manifest.states]
-    units = json.dumps([state.unit for state in library.manifest.states])
-    data["state"] = (
-        ("time", "state_name"), rows.x, {"units": "SI", "long_name": "state vector", "state_units": units},
-    )  # fmt: skip
+        data["mesh_level"] = (("time", "switched_mesh"), columns["mesh_level"], meta)
+    coordinates["state_name"] = [state.name for state in manifest.states]
+    units = json.dumps([state.unit for state in manifest.states])
+    meta = {"units": "SI", "long_name": "state vector", "state_units": units}
+    data["state"] = (("time", "state_name"), columns["state"], meta)
     return xr.Dataset(data, coords=coordinates)
+
+
+def columns_of(library: Library, rows: Rows) -> dict[str, NDArray[Any]]:
+    """Return what changes over time in a result, by the variable's name, shapes (m,) and (m, items)."""
+    found: dict[str, NDArray[Any]] = {"time": rows.time, "state": rows.x}
+    if library.manifest.levels:
+        found["mesh_level"] = rows.levels.astype(np.int8)
+    return found | {quantity: rows.values[:, places] for quantity, places in by_quantity(library).items()}
 
 
 def _dimension(library: Library, quantity: str, columns: list[int], coordinates: dict[str, Any]) -> str:
@@ -154,15 +161,10 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
         If the folder is missing or cannot be written.
     """
     check_target(path)
-    floats = {name: variable for name, variable in dataset.items() if variable.dtype.kind == "f"}
-    chunks = {name: (min(len(v), BLOCK), *v.shape[1:]) for name, v in floats.items() if v.dims[0] == "time"}
-    encoding = {
-        name: {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunks.get(name)} for name in floats
-    }
     handle, draft = tempfile.mkstemp(dir=path.resolve().parent, prefix=".draft-", suffix=".nc")
     os.close(handle)
     try:
-        dataset.to_netcdf(draft, engine="netcdf4", encoding=encoding)
+        dataset.to_netcdf(draft, engine="netcdf4")
         Path(draft).chmod(0o644)
         Path(draft).replace(path)
     except OSError as error:

@@ -51,7 +51,7 @@ def check_length(samples: float) -> None:
         raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
 
 
-def _check_size(library: Library, samples: float) -> None:
+def check_size(library: Library, samples: float) -> None:
     """Refuse a run of more than the memory holds."""
     manifest = library.manifest
     need = samples * 8 * sum(map(len, (manifest.states, manifest.levels, manifest.signals, manifest.reports)))
@@ -116,26 +116,61 @@ def simulate(
     """
     check_options(method, rtol, t_end)
     check_length(t_end * rate)
-    _check_size(library, t_end * rate)
-    p = library.parameters(values)
-    clock = perf_counter()
-    at = find_equilibrium(library, p, tables=tables)
-    seconds = {"equilibrium": perf_counter() - clock}
-    choice = choose(library, at, p, rtol) if method == AUTO else Choice(method, None)
-    settings: dict[str, Any] = {"t_end": t_end, "method": choice.method, "rtol": rtol, "tables": tables}
-    reader, rows = Reader(library, p, rate * oversample, oversample), list[Rows]()
-    integration = Integration(library, p, at, rate=rate * oversample, **settings)
-    outcome = integration.proceed(lambda block: rows.append(reader.read(block)), told)
-    clock = perf_counter()
-    dataset = make_dataset(library, join_rows([*rows, reader.finish()]), outcome.extremes)
-    outcome.seconds["outputs"] += perf_counter() - clock
-    forces = _forces(dataset)
-    about = list_settings(library, choice, rtol, oversample)
-    summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
+    check_size(library, t_end * rate)
+    run = Run(
+        library, library.parameters(values), t_end=t_end, rate=rate, method=method, rtol=rtol, oversample=oversample,
+        tables=tables,
+    )  # fmt: skip
+    run.follow(told)
+    dataset, summary = run.conclude()
     if verify:
-        summary |= verified(library, p, at, summary, rate=rate, **settings)
+        summary |= verified(library, run.p, run.at, summary, rate=rate, **run.settings)
     dataset.attrs |= to_attributes(attributes, summary)
     return Result(dataset, summary)
+
+
+class Run:
+    """A simulation in memory, in three steps: it is set up, followed to its end, and concluded.
+
+    The first and the last use CasADi, which serves one thread only; with ``erk`` the one between them does not.
+
+    Parameters
+    ----------
+    p
+        Parameters, shape (n_p,).
+
+    Other parameters are those of ``simulate``.
+
+    Raises
+    ------
+    SolverError
+        If there is no equilibrium to start from.
+    """
+
+    def __init__(
+        self, library: Library, p: Vector, *, t_end: float, rate: float, method: str, rtol: float, oversample: int,
+        tables: Mapping[str, Pairs] | None,
+    ) -> None:  # fmt: skip
+        self.library, self.p, clock = library, p, perf_counter()
+        self.at = find_equilibrium(library, p, tables=tables)
+        self.seconds = {"equilibrium": perf_counter() - clock}
+        choice = choose(library, self.at, p, rtol) if method == AUTO else Choice(method, None)
+        self.about = list_settings(library, choice, rtol, oversample)
+        self.settings: dict[str, Any] = {"t_end": t_end, "method": choice.method, "rtol": rtol, "tables": tables}
+        self.reader, self.rows = Reader(library, p, rate * oversample, oversample), list[Rows]()
+        self.integration = Integration(library, p, self.at, rate=rate * oversample, **self.settings)
+
+    def follow(self, told: Callable[[float], None]) -> None:
+        """Integrate, and read the outputs."""
+        self.integration.follow(lambda block: self.rows.append(self.reader.read(block)), told)
+
+    def conclude(self) -> tuple["xr.Dataset", dict[str, Any]]:
+        """Return the data and the summary."""
+        outcome, clock = self.integration.conclude(), perf_counter()
+        dataset = make_dataset(self.library, join_rows([*self.rows, self.reader.finish()]), outcome.extremes)
+        outcome.seconds["outputs"] += perf_counter() - clock
+        about = summarise(self.library, self.p, self.at, outcome, _forces(dataset))
+        return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
 
 def verified(

@@ -1,5 +1,6 @@
 """Tables of docs/: what they print is what the code computes."""
 
+import json
 from importlib import import_module
 from math import pi
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from ltcgear.generated import store
 from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.kernel import over_time
+from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import build
 from ltcgear.runtime.precision.record import digest_numbers, read_record
 from ltcgear.runtime.stepper import METHODS
@@ -53,7 +54,7 @@ def loaded_shares(floating, scene, stiff):
     assert library.path is None
     p = library.parameters(model.values())
     at = find_equilibrium(library, p)
-    y = over_time(library.functions["outputs"], [at.x[None], at.s[None], p])[0]
+    y = Kernel(library.functions["outputs"])(at.x, at.s, p)[0]
     reports = enumerate(library.manifest.reports)
     forces = [y[i] for i, r in reports if r.quantity == "mesh_force" and r.item.startswith("lsp.sun_planet")]
     return np.array(forces) / np.mean(forces)
@@ -240,3 +241,18 @@ def test_the_page_of_the_peers_holds_all(benchmarks):
     assert tools["stage"] == tools["torsion"] == {runners.OURS, runners.EXUDYN}
     assert all(data[key]["uncertainty"] < 1e-6 for key in tools)
     assert len(data["checks"]) == 6  # two in C, NumPy, two of Exudyn, PyDy
+
+
+# --- ensembles
+
+
+def test_the_page_of_ensembles_tells_what_was_measured(benchmarks):
+    ensemble = benchmarks("ensemble")
+    data = json.loads(ensemble.DATA.read_text("utf-8"))
+    text = ensemble.PAGE.read_text("utf-8").split(ensemble.BEGIN)[1].split(ensemble.END)[0]
+    assert text == ensemble.table(data)
+    assert tuple(data["scenes"]) == ensemble.SCENES
+    for found in data["scenes"].values():
+        assert found["runs"] == ensemble.RUNS
+        # More workers do not cost more work.
+        assert ensemble.least(found, "several", "cpu") < 1.15 * ensemble.least(found, "one", "cpu")

@@ -1,4 +1,4 @@
-"""README.md and docs/scenes.md: what they show runs as it stands."""
+"""README.md and pages of docs/: what they show runs as it stands."""
 
 import re
 import shlex
@@ -10,7 +10,7 @@ import pytest
 from ltcgear.symbolic import build_model, load_scene
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("README.md", "docs/scenes.md")
+PAGES = ("README.md", "docs/scenes.md", "docs/ensembles.md")
 
 
 def blocks(page, language):

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
-from ltcgear.runtime.kernel import Kernel, over_time
+from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.scaling import vibration_scale
 from ltcgear.runtime.switching import Phases, cells_of, levels_of, upper
@@ -70,7 +71,7 @@ class Rig:
     def forces(self, x: Vector) -> Vector:
         """Return the mesh forces [N] at the compared instants, shape (times, meshes)."""
         levels = np.array([self.segments[i].levels for i in self._place()])
-        y = over_time(self.library.functions["outputs"], [x, levels.reshape(len(x), -1), self.p])
+        y = over_time(self.library, "outputs", x, levels.reshape(len(x), -1), self.p)
         return y[:, [i for i, r in enumerate(self.library.manifest.reports) if r.quantity == "mesh_force"]]
 
     def _place(self) -> NDArray[np.int64]:

@@ -8,8 +8,8 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
+from ..batch import over_time
 from ..integration import Trajectory
-from ..kernel import over_time
 from ..modes import find_modes
 from ..stepper import EXPLICIT
 from .case import Bench, Finding, HardCase, Open
@@ -21,7 +21,7 @@ SMOOTH = {"effects.mesh_stiffness": "smooth"}
 def _forces(bench: Bench, path: Trajectory) -> Vector:
     """Return the mesh forces [N] of a run, shape (times, meshes)."""
     rows = [i for i, report in enumerate(bench.library.manifest.reports) if report.quantity == "mesh_force"]
-    return over_time(bench.library.functions["outputs"], [path.x, path.s, bench.p])[:, rows]
+    return over_time(bench.library, "outputs", path.x, path.s, bench.p)[:, rows]
 
 
 def _state(bench: Bench, name: str) -> int:

@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..batch import over_time
 from ..equilibrium import Equilibrium
 from ..integration import Trajectory
-from ..kernel import over_time
 from .case import Bench
 
 Vector = NDArray[np.float64]
@@ -15,14 +15,14 @@ Vector = NDArray[np.float64]
 
 def read(bench: Bench, path: Trajectory, quantity: str) -> dict[str, Vector]:
     """Return item -> samples of one quantity."""
-    values = over_time(bench.library.functions["outputs"], [path.x, path.s, bench.p])
+    values = over_time(bench.library, "outputs", path.x, path.s, bench.p)
     reports = enumerate(bench.library.manifest.reports)
     return {report.item: values[:, i] for i, report in reports if report.quantity == quantity}
 
 
 def read_power_lost(bench: Bench, path: Trajectory) -> Vector:
     """Return the samples of the power lost [W]."""
-    return over_time(bench.library.functions["energy"], [path.x, path.s, bench.p])[:, 4]
+    return over_time(bench.library, "energy", path.x, path.s, bench.p)[:, 4]
 
 
 def started(bench: Bench, **given: float) -> Equilibrium:

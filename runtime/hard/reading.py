@@ -5,9 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ..batch import over_time
 from ..exact import Exact
 from ..integration import Trajectory
-from ..kernel import over_time
 from .case import Bench, Finding
 
 Vector = NDArray[np.float64]
@@ -20,7 +20,7 @@ EXACT = 1e-8
 def outputs(bench: Bench, quantity: str, x: Vector, s: Vector) -> Vector:
     """Return one quantity of all its items at states of shape (times, n), shape (times, items)."""
     columns = [i for i, report in enumerate(bench.library.manifest.reports) if report.quantity == quantity]
-    return over_time(bench.library.functions["outputs"], [x, s, bench.p])[:, columns]
+    return over_time(bench.library, "outputs", x, s, bench.p)[:, columns]
 
 
 def mesh_forces(bench: Bench, path: Trajectory) -> Vector:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..kernel import over_time
+from ..batch import over_time
 from ..modes import Mode, find_modes
 from .case import Finding, HardCase, Open
 
@@ -61,7 +61,7 @@ def _equal(open_: Open, method: str, full: bool) -> Iterator[Finding]:
         x[names.index(pushed)] += 1e-5
         options: dict[str, Any] = {"t_end": 0.5 if full else 0.05, "rate": 8192.0, "rtol": 1e-8}
         path = bench.run(method, at=replace(bench.at, x=x), **options)
-        outputs = over_time(bench.library.functions["outputs"], [path.x, path.s, bench.p])
+        outputs = over_time(bench.library, "outputs", path.x, path.s, bench.p)
         for mesh in ("sun_planet", "ring_planet"):
             head = f"{scene}.{mesh}."
             rows = [

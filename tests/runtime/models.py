@@ -6,9 +6,9 @@ from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.integration import Trajectory, integrate
-from ltcgear.runtime.kernel import over_time
 from ltcgear.runtime.library import Library, build
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.model import Model
@@ -46,7 +46,7 @@ class Case:
 
     def outputs(self, x: np.ndarray, levels: np.ndarray) -> dict[tuple[str, str], np.ndarray]:
         """(quantity, item) -> values, of states and levels of shape (times, ...)."""
-        y = over_time(self.library.functions["outputs"], [np.atleast_2d(x), np.atleast_2d(levels), self.p])
+        y = over_time(self.library, "outputs", np.atleast_2d(x), np.atleast_2d(levels), self.p)
         return {(r.quantity, r.item): y[:, i] for i, r in enumerate(self.library.manifest.reports)}
 
     def quantity(self, name: str, x: np.ndarray, levels: np.ndarray) -> dict[str, np.ndarray]:

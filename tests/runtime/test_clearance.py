@@ -5,9 +5,9 @@ from math import atan, hypot, pi, sqrt
 import numpy as np
 import pytest
 from ltcgear.generated.errors import SceneError, SolverError
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.continuation import follow
 from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
-from ltcgear.runtime.kernel import over_time
 from ltcgear.runtime.library import build
 from ltcgear.runtime.modes import find_modes
 from ltcgear.runtime.results import energy_residual
@@ -166,8 +166,7 @@ def test_no_clearance_is_the_same_as_off():
     rng = np.random.default_rng(5)
     states = [off.at.x, np.zeros_like(off.at.x), *(off.at.x + rng.normal(0, 1e-4, (20, len(off.at.x))))]
     one, other = (
-        over_time(found.library.functions["rhs"], [np.array(states), np.full((22, 1), 0.3), found.p])
-        for found in (none, off)
+        over_time(found.library, "rhs", np.array(states), np.full((22, 1), 0.3), found.p) for found in (none, off)
     )
     assert (np.abs(one - other) <= 1e-12 * np.abs(other).max(axis=0)).all()
 

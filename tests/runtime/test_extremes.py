@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.arcs import Arc
-from ltcgear.runtime.kernel import over_time
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.march import March
 from ltcgear.runtime.signals import Signals
 
@@ -13,7 +13,7 @@ from .models import case
 def sampled_forces(found, path):
     """Return the mesh forces at the samples, shape (times, meshes)."""
     rows = [i for i, report in enumerate(found.library.manifest.reports) if report.quantity == "mesh_force"]
-    return over_time(found.library.functions["outputs"], [path.x, path.levels, found.p])[:, rows]
+    return over_time(found.library, "outputs", path.x, path.levels, found.p)[:, rows]
 
 
 @pytest.mark.parametrize("method", ["erk", "cvodes"])
@@ -51,7 +51,7 @@ def test_every_node_counts_but_none_beyond_the_end():
     states = np.tile(march.frame.origin, (5, 1))
     states[1:, state] += march.frame.scale[state] * np.array([*turned.values()])
     rows = [i for i, report in enumerate(found.library.manifest.reports) if report.quantity == "mesh_force"]
-    force = over_time(found.library.functions["outputs"], [states, found.at.levels, found.p])[:, rows[0]]
+    force = over_time(found.library, "outputs", states, found.at.levels, found.p)[:, rows[0]]
     assert len(set(force)) == 5
     assert march.extremes.lowest[0] == pytest.approx(force[:4].min(), rel=1e-12)
     assert march.extremes.steady[:, 0] == pytest.approx(sorted(force[[0, 3]]), rel=1e-12)
@@ -73,5 +73,5 @@ def test_a_peak_between_steps_is_that_of_the_parabola():
     states = np.tile(march.frame.origin, (2, 1))
     states[1, state] += march.frame.scale[state] * -(0.125**2)
     rows = [i for i, report in enumerate(found.library.manifest.reports) if report.quantity == "mesh_force"]
-    force = over_time(found.library.functions["outputs"], [states, found.at.levels, found.p])[:, rows[0]]
+    force = over_time(found.library, "outputs", states, found.at.levels, found.p)[:, rows[0]]
     assert np.abs(march.extremes.steady[:, 0] - force[1]).min() < 1e-9 * np.ptp(force)

@@ -8,9 +8,10 @@ import pytest
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError, LtcgearError
 from ltcgear.runtime import native, stepper
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium, mean_levels, start_state, state_matrix
 from ltcgear.runtime.integration import integrate
-from ltcgear.runtime.kernel import Kernel, over_time
+from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import Library, build, external
 from ltcgear.runtime.nodes import Chebyshev, Uniform
 from ltcgear.runtime.results import energy_residual
@@ -86,7 +87,7 @@ def test_energy_is_accounted_for_with_friction_and_weight():
     c, path = case("rig-2mw", *settings), run("rig-2mw", *settings, method="erk")
     assert path.status == "done"
     assert residual(c, path) < 1e-5
-    balance = over_time(c.library.functions["energy"], [path.x, path.levels, c.p])
+    balance = over_time(c.library, "energy", path.x, path.levels, c.p)
     assert (balance[:, 3] > 0).all()
 
 
@@ -232,7 +233,7 @@ def test_without_damping_energy_stays(method):
     c = case("lin-parker-4")
     at = displaced(c)
     path = c.run(at=at, method=method, rtol=1e-8, t_end=0.02)
-    balance = over_time(c.library.functions["energy"], [path.x, path.levels, c.p])
+    balance = over_time(c.library, "energy", path.x, path.levels, c.p)
     energy = balance[:, 0] + balance[:, 1]
     assert path.status == "done"
     assert energy[0] > 0
@@ -278,7 +279,7 @@ def test_gears_pulled_into_each_other_stop_the_run_and_keep_the_data(monkeypatch
     assert path.end - 1e-5 < path.time[-1] <= path.end
     assert len(path.time) == len(path.x) == len(path.levels) > 100
     assert np.isfinite(path.x).all()
-    assert np.isfinite(over_time(c.library.functions["outputs"], [path.x, path.levels, c.p])).all()
+    assert np.isfinite(over_time(c.library, "outputs", path.x, path.levels, c.p)).all()
 
 
 def test_an_unknown_method_is_refused():

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from ltcgear.generated.contract import Signal
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.integration import integrate
-from ltcgear.runtime.kernel import Kernel, over_time
+from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.reading import sampled
 from ltcgear.runtime.results import energy_residual, make_dataset
 from ltcgear.runtime.signals import Signals
@@ -47,7 +48,7 @@ def speed(member, *rows):
 
 def shown(c, path):
     """Quantity -> item -> values over time."""
-    y = over_time(c.library.functions["outputs"], [path.x, path.s, c.p])
+    y = over_time(c.library, "outputs", path.x, path.s, c.p)
     found = {}
     for i, report in enumerate(c.library.manifest.reports):
         found.setdefault(report.quantity, {})[report.item] = y[:, i]
@@ -437,7 +438,7 @@ def test_an_equilibrium_is_found_on_the_flank_behind_the_gap(load):
 def test_the_power_of_a_machine_is_given_by_loads_and_none_is_lost():
     c = make_case(shaft({"member": "one", "torque": "100 N*m"}, machine(-100.0, initial_speed="-90 rad/s")))
     path = c.run(method="erk", rtol=1e-7, t_end=0.05)
-    balance = over_time(c.library.functions["energy"], [path.x, path.s, c.p])
+    balance = over_time(c.library, "energy", path.x, path.s, c.p)
     found = shown(c, path)
     power = 100.0 * found["speed"]["one"] + found["load_torque"]["load_1"] * found["speed"]["two"]
     assert np.abs(balance[:, 4]).max() == 0.0

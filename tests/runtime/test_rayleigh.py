@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.runtime.kernel import over_time
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.modes import find_modes
 from ltcgear.runtime.results import energy_residual
 from ltcgear.symbolic.advice import warnings
@@ -56,7 +56,7 @@ def test_the_rigid_motion_is_not_slowed_down():
     found, free = case("rig-2mw", *ON), case("rig-2mw", "effects.damping = 'off'", "effects.mesh_damping = 'off'")
     at = np.abs(free.at.x).max()
     assert found.at.x == pytest.approx(free.at.x, rel=1e-9, abs=1e-12 * at)
-    lost = over_time(found.library.functions["energy"], [found.at.x[None], found.at.levels[None], found.p])[0, 4]
+    lost = over_time(found.library, "energy", found.at.x[None], found.at.levels[None], found.p)[0, 4]
     assert abs(lost) < 1e-20
 
 

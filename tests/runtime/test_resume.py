@@ -232,8 +232,11 @@ def test_a_part_that_does_not_fit_is_told(stopped):
 
 PROGRAM = """
 import sys
-from ltcgear.runtime import cli, integration
-integration.MARK_SECONDS = 0.01
+from time import sleep
+from ltcgear.runtime import cli, integration, recording, sampling
+integration.MARK_SECONDS, integration.SLICE, sampling.BLOCK = 0.01, 0.0, 64
+take = recording.Recorder.take
+recording.Recorder.take = lambda self, block: (sleep(0.005), take(self, block))  # time to be killed in
 sys.argv = ["ltcgear", "simulate", "psh", "--t-end", "1.5", "--oversample", "2", "-o", *sys.argv[1:]]
 cli.main()
 """
@@ -245,7 +248,8 @@ def start(*arguments):
 
 def rows_in(target):
     """How many records the heading of a part counts."""
-    return int.from_bytes(part_of(target).read_bytes()[4:8], "big")
+    with part_of(target).open("rb") as file:
+        return int.from_bytes(file.read(8)[4:], "big")
 
 
 def test_a_killed_program_leaves_a_readable_file_and_goes_on(tmp_path):
