@@ -234,7 +234,7 @@ PROGRAM = """
 import sys
 from ltcgear.runtime import cli, integration
 integration.MARK_SECONDS = 0.01
-sys.argv = ["ltcgear", "simulate", "psh", "--t-end", "1.5", "--oversample", "2", "-o", *sys.argv[1:]]
+sys.argv = ["ltcgear", "simulate", "psh", "--t-end", "3", "--oversample", "2", "-o", *sys.argv[1:]]
 cli.main()
 """
 
@@ -254,7 +254,7 @@ def test_a_killed_program_leaves_a_readable_file_and_goes_on(tmp_path):
         assert program.wait(timeout=120) == 0
     wanted, generator = load(whole), np.random.default_rng(4)
     sizes = []
-    for trial in range(5):
+    for trial in range(4):
         with start(target, *(["--resume"] if trial else [])) as program:
             begun, wanted_rows = monotonic(), sum(sizes[-1:]) + generator.integers(1, 1500)
             while not checkpoint_of(target).exists() or rows_in(target) < wanted_rows:
