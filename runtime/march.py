@@ -243,6 +243,8 @@ class March:
         broken, self.broken = self.broken, None
         if broken is not None:
             raise broken
+        if fault == STOPPED:  # before the engine's first line, where it was only printed
+            raise KeyboardInterrupt
         if fault:
             raise RuntimeError(FAULTS[fault])
 
@@ -255,19 +257,18 @@ class March:
         arrays["slope"][:] = self.signals.rate(state.base)
         arrays["signals_knot"][:] = self.signals.before(state.knot)
 
-    def _advance(self, engine: Stepper, duration: float) -> int:
-        """Let an engine integrate a segment, with levels and sides held; return the number of a fault."""
+    def _advance(self, engine: Stepper, duration: float) -> None:
+        """Let an engine integrate a segment, with levels and sides held; only one that is whole has been reached."""
         arrays = self.native.arrays
         try:
             engine.renumber(self.p)
             arc = engine.advance(self.z, duration, self.frame.origin, arrays["s"], arrays["slope"])
+            arrays["path"][:], arrays["node_work"][:] = arc.z, arc.work
+            for name in ("steps", "rhs", "jacobian", "rejected"):
+                setattr(self.state, name, getattr(engine.counts, name))
+            self.state.reached = arc.duration
         except BaseException as error:  # what is raised here must not pass through the C
             self.broken = error
-            return STOPPED
-        arrays["path"][:], arrays["node_work"][:], self.state.reached = arc.z, arc.work, arc.duration
-        for name in ("steps", "rhs", "jacobian", "rejected"):
-            setattr(self.state, name, getattr(engine.counts, name))
-        return 0
 
     def _rebase(self) -> None:
         """Take whole turns off the reference angle, and whole periods off all that follows it."""

@@ -63,9 +63,10 @@ NAMES = {role: tuple(name for name, _, of in FIELDS if of == role) for role in (
 KIND = {name: kind for name, kind, _ in FIELDS}
 STAGES, FINE = 7, 64
 """Stages of the explicit method; intervals of an arc at whose ends indicators are looked at."""
-ADVANCE = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double)
+ADVANCE = ctypes.CFUNCTYPE(None, ctypes.c_double)
 DTYPES: dict[str, Any] = {"reals": np.float64, "wholes": np.int64, "bytes": np.bool_}
-PREAMBLE = f"""#include <float.h>
+PREAMBLE = f"""#define _POSIX_C_SOURCE 199309L /* a clock that nobody sets */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -101,7 +102,7 @@ KINDS: dict[str, tuple[Any, str]] = {
     "wholes": (ctypes.c_void_p, "whole *{}"),
     "bytes": (ctypes.c_void_p, "unsigned char *{}"),
     "function": (Function, "function {}"),
-    "advance": (ADVANCE, "int (*{})(double)"),
+    "advance": (ADVANCE, "void (*{})(double)"),
 }
 """Kind of a field -> its type in Python, and its declaration in C."""
 
@@ -206,7 +207,7 @@ class Native:
         setattr(self.state, name, function)
 
     def call_back(self, advance: Any) -> None:  # noqa: ANN401
-        """Let the C integrate by a function of Python's, of a duration [s], which returns the number of a fault."""
+        """Let the C integrate by a function of Python's, of a duration [s], which sets what it has reached."""
         self.state.advance = ADVANCE(advance)
 
     def march(self, segments: int, seconds: float) -> int:

@@ -15,9 +15,17 @@ static void keep_on_course(march *m) {
   }
 }
 
+/* Let an engine of Python's integrate. What breaks in before its first line leaves no answer that could be trusted, only
+ * a duration that was not reached. */
+static int ask(march *m, double duration) {
+  m->reached = 0;
+  m->advance(duration);
+  return m->reached > 0 ? DONE : STOPPED;
+}
+
 /* Integrate for a duration with levels and sides held. */
 static int integrate(march *m, double duration) {
-  int fault = m->advance ? m->advance(duration) : advance_erk(m, duration);
+  int fault = m->advance ? ask(m, duration) : advance_erk(m, duration);
   if (fault) return fault;
   m->segments += 1;
   keep_on_course(m);
@@ -68,9 +76,9 @@ static double standstill(const march *m) {
   return 1.0;
 }
 
-/* Integrate for a duration, or to the first border if that comes before; cells after it go to ``changed``, sides to
- * ``new_sides``. */
-static int go_to_border(march *m, double duration) {
+/* Integrate for a duration, or to the first border if that comes before, but never for longer than the most; cells after
+ * it go to ``changed``, sides to ``new_sides``. */
+static int go_to_border(march *m, double duration, double most) {
   int aimed = 0, at_once, fault;
   whole aims = 0;
   double first, correction;
@@ -89,6 +97,7 @@ static int go_to_border(march *m, double duration) {
       if ((fault = look_at_end(m, aims++, &correction))) return fault;
       if (correction == 0) return DONE;
       duration *= 1 + correction;
+      if (duration > most) duration = most, aimed = 0; /* no knot may lie within an arc, and there is room for so much */
       continue;
     }
     part = smaller(part, standstill(m));
@@ -167,13 +176,13 @@ static int segment(march *m) {
   if (!m->finds_borders) duration = smaller(ltcgear_time_to_border(count, m->cells, m->now, m->gain), most);
   if (!(duration > 0)) return TOGETHER;
   int fault = settle(m);
-  if (!fault) fault = go_to_border(m, duration);
+  if (!fault) fault = go_to_border(m, duration, most);
   return fault ? fault : arrive(m);
 }
 
 static double clock_now(void) {
   struct timespec now;
-  timespec_get(&now, TIME_UTC);
+  clock_gettime(CLOCK_MONOTONIC, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
@@ -181,12 +190,12 @@ static double clock_now(void) {
  * once), ``segments`` are done or the seconds are up. Returns DONE or a fault. */
 EXPORTED int ltcgear_march(march *m, whole segments, double seconds) {
   double start = clock_now();
-  for (whole i = 0; i < segments && m->done <= m->last; ++i) {
+  for (whole i = 0; i < segments && m->done <= m->last && 2 * m->filled + 4 <= m->capacity; ++i) {
     int fault = segment(m);
     if (fault) return fault;
     double angle = m->angle < 0 ? 0 : m->origin[m->angle] + m->scale[m->angle] * m->z[m->angle];
     int over = m->time >= m->knot || fabs(angle) >= TURN * (1 - 4 * DBL_EPSILON);
-    if (over || 2 * m->filled + 4 > m->capacity || clock_now() - start > seconds) return DONE;
+    if (over || clock_now() - start > seconds) return DONE;
   }
   return DONE;
 }

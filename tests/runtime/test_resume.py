@@ -258,7 +258,7 @@ def test_a_killed_program_leaves_a_readable_file_and_goes_on(tmp_path):
         assert program.wait(timeout=120) == 0
     wanted, generator = load(whole), np.random.default_rng(4)
     sizes = []
-    for trial in range(5):
+    for trial in range(4):
         with start(target, *(["--resume"] if trial else [])) as program:
             begun, wanted_rows = monotonic(), sum(sizes[-1:]) + generator.integers(1, 1500)
             while not checkpoint_of(target).exists() or rows_in(target) < wanted_rows:
