@@ -94,10 +94,9 @@ UNITS = {
 def geometry(kind: str) -> Geometry:
     """Lay out the mesh triangle.
 
-    Angles are measured from (e_x, e_y), the undeformed line of centres in any basis, so they are small (``turned``)
-    or about a pressure angle (``leaning``), and the arc tangent of a quotient is enough: the denominators,
-    d cos(turned) and s d^2 cos(leaning), keep their signs until one centre has gone round the other by
-    90 deg - alpha. ``push`` is d^2 times the unit force direction on body 2.
+    Angles are measured from (e_x, e_y), the undeformed line of centres in any basis. An angle whose sine and cosine
+    are y and x is twice the arc tangent of y / (1 + x): so neither wraps until one centre has gone half round the
+    other, ``leaning`` a pressure angle sooner. ``push`` is d^2 times the unit force direction on body 2.
     """
     sigma = SIGN[kind]
     c = R1 + sigma * R2
@@ -105,8 +104,8 @@ def geometry(kind: str) -> Geometry:
     d = sp.sqrt(dx**2 + dy**2)
     h = sp.sqrt(d**2 - c**2)
     px, py = sigma * h * dx - S * c * dy, sigma * h * dy + S * c * dx
-    turned = TURN + sp.atan((EX * dy - EY * dx) / (EX * dx + EY * dy))
-    leaning = TURN - sp.atan((EX * px + EY * py) / (EX * py - EY * px))
+    turned = TURN + 2 * sp.atan((EX * dy - EY * dx) / (EX * dx + EY * dy + d))
+    leaning = TURN - 2 * sp.atan((EX * px + EY * py) / (EX * py - EY * px + S * d**2))
     return Geometry(sigma, c, dx, dy, d, h, (px, py), turned, leaning)
 
 
