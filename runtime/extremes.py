@@ -13,8 +13,8 @@ class MeshExtremes:
     """The smallest and largest mesh forces of a run.
 
     Samples miss peaks: a force jumps with its stiffness and then swings at frequencies that the sampling
-    rate does not resolve. Segments end at the jumps and their nodes do resolve the fastest mode. Where
-    nothing switches, nodes are samples and this adds nothing to them.
+    rate does not resolve. Segments end at the jumps; the steps of ``erk``, and the nodes of other methods, do
+    resolve the fastest mode. Where nothing switches the latter are samples, and add nothing to them.
 
     Attributes
     ----------

@@ -118,7 +118,7 @@ def test_the_drive_of_a_speed_ramp_swings_about_inertia_times_acceleration(metho
     assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-6
 
 
-RUN_UP = [(0.0, 0.0), (0.2, 10 * RPM), (0.25, 10 * RPM), (0.35, 4 * RPM), (0.4, 0.0)]
+RUN_UP = [(0.0, 0.0), (0.2, 15 * RPM), (0.25, 15 * RPM), (0.35, 6 * RPM), (0.4, 0.0)]
 THERE_AND_BACK = [
     (0.0, 5 * RPM),
     (0.1, 15 * RPM),

@@ -81,7 +81,7 @@ def test_what_is_taken_off_on_the_way_changes_nothing(name, monkeypatch):
     assert (plain.turns == 0).all()
     assert plain.counts.events == path.counts.events
     assert (plain.levels == path.levels).all()
-    assert path.extremes.lowest == pytest.approx(plain.extremes.lowest, rel=1e-7)
+    assert path.extremes.lowest == pytest.approx(plain.extremes.lowest, rel=2e-5)  # steps lie elsewhere
     assert path.energy == pytest.approx(plain.energy, rel=1e-9)
     one, two, reports = (
         outputs_of(c.library, Clocks(c.library.manifest, c.p), plain),
