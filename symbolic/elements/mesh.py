@@ -35,7 +35,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from .base import Element, Output, Port, positive, real
+from .base import Element, Leaning, Output, Port, positive, real
 from .contact import HOLD, Given, Lesser, Rest, Step, Switch
 
 SIGN = {"external": 1, "internal": -1}
@@ -94,9 +94,8 @@ UNITS = {
 def geometry(kind: str) -> Geometry:
     """Lay out the mesh triangle.
 
-    Angles are measured from (e_x, e_y), the undeformed line of centres in any basis. An angle whose sine and cosine
-    are y and x is twice the arc tangent of y / (1 + x): so neither wraps until one centre has gone half round the
-    other, ``leaning`` a pressure angle sooner. ``push`` is d^2 times the unit force direction on body 2.
+    Angles are measured from (e_x, e_y), the undeformed line of centres in any basis, so that they do not wrap until one
+    centre has gone half round the other. ``push`` is d^2 times the unit force direction on body 2.
     """
     sigma = SIGN[kind]
     c = R1 + sigma * R2
@@ -104,8 +103,10 @@ def geometry(kind: str) -> Geometry:
     d = sp.sqrt(dx**2 + dy**2)
     h = sp.sqrt(d**2 - c**2)
     px, py = sigma * h * dx - S * c * dy, sigma * h * dy + S * c * dx
-    turned = TURN + 2 * sp.atan((EX * dy - EY * dx) / (EX * dx + EY * dy + d))
-    leaning = TURN - 2 * sp.atan((EX * px + EY * py) / (EX * py - EY * px + S * d**2))
+    across, ahead = EX * dy - EY * dx, EX * dx + EY * dy
+    sine, cosine = -(EX * px + EY * py), EX * py - EY * px
+    leaning = Leaning(across, ahead, sigma * h, c, S, sine, cosine, S * d**2)
+    turned, leaning = TURN + sp.atan2(across, ahead), TURN + leaning
     return Geometry(sigma, c, dx, dy, d, h, (px, py), turned, leaning)
 
 
