@@ -132,7 +132,25 @@ static double zero_between(march *m, whole g, double low, double high, double on
   return low;
 }
 
-/* The first zero before a row of the fine points, at whose dip the distance is negative. */
+/* The lowest point of a border's distance between two parts of the arc, by golden sections. */
+static double lowest_between(march *m, whole g, double low, double high) {
+  const double golden = 0.6180339887498949;
+  double one = high - golden * (high - low), two = low + golden * (high - low);
+  double at_one = distance_at(m, g, one), at_two = distance_at(m, g, two);
+  for (int trial = 0; trial < 30; ++trial) {
+    if (at_one < at_two) {
+      high = two, two = one, at_two = at_one;
+      one = high - golden * (high - low), at_one = distance_at(m, g, one);
+    } else {
+      low = one, one = two, at_one = at_two;
+      two = low + golden * (high - low), at_two = distance_at(m, g, two);
+    }
+  }
+  return (low + high) / 2;
+}
+
+/* The first zero before a row of the fine points, at whose dip the distance seems to be negative; beyond the arc (2)
+ * where it is not: a motion that only grazes a border does not cross it. */
 static double first_zero(march *m, whole g, whole row) {
   double part[SPLIT + 1], value[SPLIT + 1];
   int lowest = 0;
@@ -143,7 +161,10 @@ static double first_zero(march *m, whole g, whole row) {
   }
   for (int i = 0; i < SPLIT; ++i)
     if (value[i] >= 0 && value[i + 1] < 0) return zero_between(m, g, part[i], part[i + 1], value[i], value[i + 1]);
-  return value[0] >= 0 ? part[lowest] : part[0];
+  if (value[0] < 0) return part[0];
+  double before = part[lowest > 0 ? lowest - 1 : 0], after = part[lowest < SPLIT ? lowest + 1 : SPLIT];
+  double dip = lowest_between(m, g, before, after), depth = distance_at(m, g, dip);
+  return depth < -m->slack[g] ? zero_between(m, g, before, dip, distance_at(m, g, before), depth) : 2.0;
 }
 
 /* Look where an arc crosses borders, once their distances are found: return the part before the first crossing. What
@@ -162,6 +183,7 @@ static double first_crossing(march *m, int *at_once) {
     }
     if (row < 0) continue;
     double part = first_zero(m, g, row);
+    if (part > 1) continue;
     first = smaller(first, part);
     /* From a border on which it rested, a motion may leave so slowly that no slope tells. */
     if (near && part <= AT_ONCE) m->new_sides[g] ^= 1, *at_once = 1;
