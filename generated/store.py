@@ -19,7 +19,7 @@ from .contract import Artifact, Manifest
 from .errors import CompileError, LtcgearError
 
 FLAGS = (
-    "-std=c11", "-O3", "-march=native", "-ffp-contract=fast", "-fPIC", "-shared", "-fno-semantic-interposition",
+    "-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-fno-semantic-interposition",
     "-fno-math-errno", "-Wall", "-Werror",
 )  # fmt: skip
 """errno, and calls through tables between a library's own functions, only cost time."""

@@ -10,7 +10,7 @@ import sympy as sp
 
 from . import lagrange
 from .elements import make
-from .elements.base import Leaning, LogCosh
+from .elements.base import LogCosh
 from .elements.contact import Given, Lesser, Rest, Step, Switch
 from .elements.tooth_pairs import Sharing, Wrapped
 
@@ -28,14 +28,8 @@ def _sharing(g: Any, share: Any) -> Any:  # noqa: ANN401
     return 1 - ca.fmax(ca.fabs(g) - share / 2, 0) / (1 - share)
 
 
-def _leaning(*arguments: Any) -> Any:  # noqa: ANN401
-    """Evaluate an angle by half of it, whose tangent is the sine over 1 and the cosine."""
-    sine, cosine, one = arguments[5:]
-    return 2 * ca.atan(sine / (cosine + one))
-
-
 SEVERAL: dict[Any, Callable[..., Any]] = {
-    sp.atan2: ca.atan2, Leaning: _leaning, Sharing: _sharing, Given: lambda z, value, slope: value,
+    sp.atan2: ca.atan2, Sharing: _sharing, Given: lambda z, value, slope: value,
     Switch: lambda g, hold: g + hold > 0, Lesser: ca.fmin,
     Rest: lambda g, hold, z: (z > 0) * (1 - (g + hold > 0)),
 }  # fmt: skip
@@ -70,7 +64,7 @@ def _angles(expressions: Sequence[sp.Expr], memory: dict[sp.Basic, Any]) -> dict
     All elements of a mesh need the same angle. What ``sympy.cse`` makes of it depends on what stands beside it,
     and graphs that are written differently are not joined when the elements come together.
     """
-    angles: set[sp.Basic] = set().union(*(e.atoms(sp.atan, sp.atan2, Leaning) for e in expressions))
+    angles: set[sp.Basic] = set().union(*(e.atoms(sp.atan, sp.atan2) for e in expressions))
     for angle in sorted(angles, key=sp.default_sort_key):
         _walk(angle, memory)
     named = {node: sp.Dummy() for node in memory if node.is_Add or node.is_Pow or node in angles}

@@ -122,22 +122,6 @@ class LogCosh(sp.Function):  # type: ignore[misc]  # SymPy is untyped
         return sp.tanh(self.args[0])
 
 
-class Leaning(sp.Function):  # type: ignore[misc]  # SymPy is untyped
-    """The angle atan2(y, x) - s atan2(h, c), where s^2 = 1, with one arc tangent.
-
-    Its gradient is that of the two. It is evaluated by the multiples of its sine, its cosine and 1 that are given too.
-    Arguments: y, x, h, c, s, sine, cosine, one.
-    """
-
-    nargs = 8
-
-    def fdiff(self, argindex: int = 1) -> sp.Expr:
-        """Return the derivative with respect to an argument."""
-        y, x, h, c, s = self.args[:5]
-        line, angle = x**2 + y**2, h**2 + c**2
-        return (x / line, -y / line, -s * c / angle, s * h / angle, -sp.atan2(h, c), *3 * [sp.S.Zero])[argindex - 1]
-
-
 def real(name: str) -> sp.Symbol:
     """Make a real symbol."""
     return sp.Symbol(name, real=True)

@@ -12,15 +12,8 @@ involute (the exact involute, whose gradient is the unit line of action)
 paper (Wu et al. 2021, eqs 7 and 23)
     :math:`\delta = s r_2\tan(w/r_2) - \sigma (d - d_0)\sin\alpha`
 
-The angle :math:`\gamma` of the line of centres and the pressure angle come in as
-:math:`\psi = \gamma - s\sigma\alpha`, the angle by which the line of action has turned from where it lies at
-:math:`\alpha = 0`: with :math:`s^2 = 1` and :math:`c\tan\alpha = h = \sqrt{d^2 - c^2}` the involute law is
-
-.. math:: \delta = s\,[r_1(\theta_1-\psi) + \sigma r_2(\theta_2-\psi)] - \sigma (h - c\operatorname{inv}\alpha_0),
-
-one arc tangent for two. In both laws the force on body 2 is
-:math:`N(\sigma\sin\alpha\,\mathbf e + s\cos\alpha\,\mathbf t)`, the torques are :math:`-s r_1 N` and
-:math:`-\sigma s r_2 N` (eqs 12, 13, 25, 26).
+and in both the force on body 2 is :math:`N(\sigma\sin\alpha\,\mathbf e + s\cos\alpha\,\mathbf t)`,
+the torques are :math:`-s r_1 N` and :math:`-\sigma s r_2 N` (eqs 12, 13, 25, 26).
 
 A bilateral mesh (the paper's) may pull; a one-flank mesh has :math:`N = k\langle\delta\rangle` and a damper
 that acts in contact only and never makes N negative: teeth push where both :math:`k\delta` and
@@ -35,7 +28,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from .base import Element, Leaning, Output, Port, positive, real
+from .base import Element, Output, Port, positive, real
 from .contact import HOLD, Given, Lesser, Rest, Step, Switch
 
 SIGN = {"external": 1, "internal": -1}
@@ -51,13 +44,8 @@ class Geometry:
     dy: sp.Expr
     d: sp.Expr
     h: sp.Expr
-    push: tuple[sp.Expr, sp.Expr]
     turned: sp.Expr
-    leaning: sp.Expr
-
-    def rolled(self, line: sp.Expr) -> sp.Expr:
-        """Return by how much the gears have rolled on each other against a line that turns by an angle."""
-        return R1 * (ONE.theta - line) + self.sigma * R2 * (TWO.theta - line)
+    w: sp.Expr
 
     @property
     def alpha(self) -> sp.Expr:
@@ -67,7 +55,10 @@ class Geometry:
     @property
     def normal(self) -> tuple[sp.Expr, sp.Expr]:
         """Return the unit force direction on body 2, with h = d sin(alpha), c = d cos(alpha)."""
-        return self.push[0] / self.d**2, self.push[1] / self.d**2
+        return (
+            (self.sigma * self.h * self.dx - S * self.c * self.dy) / self.d**2,
+            (self.sigma * self.h * self.dy + S * self.c * self.dx) / self.d**2,
+        )
 
     @property
     def along(self) -> tuple[sp.Expr, sp.Expr]:
@@ -92,30 +83,22 @@ UNITS = {
 
 
 def geometry(kind: str) -> Geometry:
-    """Lay out the mesh triangle.
-
-    Angles are measured from (e_x, e_y), the undeformed line of centres in any basis, so that they do not wrap until one
-    centre has gone half round the other. ``push`` is d^2 times the unit force direction on body 2.
-    """
+    """Lay out the mesh triangle; the position angle is measured from (e_x, e_y) and never wraps."""
     sigma = SIGN[kind]
     c = R1 + sigma * R2
     dx, dy = TWO.x - ONE.x, TWO.y - ONE.y
     d = sp.sqrt(dx**2 + dy**2)
-    h = sp.sqrt(d**2 - c**2)
-    px, py = sigma * h * dx - S * c * dy, sigma * h * dy + S * c * dx
-    across, ahead = EX * dy - EY * dx, EX * dx + EY * dy
-    sine, cosine = -(EX * px + EY * py), EX * py - EY * px
-    leaning = Leaning(across, ahead, sigma * h, c, S, sine, cosine, S * d**2)
-    turned, leaning = TURN + sp.atan2(across, ahead), TURN + leaning
-    return Geometry(sigma, c, dx, dy, d, h, (px, py), turned, leaning)
+    turned = TURN + sp.atan2(EX * dy - EY * dx, EX * dx + EY * dy)
+    w = R1 * (ONE.theta - turned) + sigma * R2 * (TWO.theta - turned)
+    return Geometry(sigma, c, dx, dy, d, sp.sqrt(d**2 - c**2), turned, w)
 
 
 def deflection(kind: str, law: str) -> sp.Expr:
     """Return the normal composite deflection [m] of one law (see the module's head)."""
     g = geometry(kind)
     if law == "involute":
-        return S * g.rolled(g.leaning) - g.sigma * (g.h - g.c * INV0)
-    return S * R2 * sp.tan(g.rolled(g.turned) / R2) - g.sigma * (g.d - D0) * g.h / g.d
+        return S * g.w - g.sigma * g.c * (g.h / g.c - g.alpha - INV0)
+    return S * R2 * sp.tan(g.w / R2) - g.sigma * (g.d - D0) * g.h / g.d
 
 
 def approach(kind: str) -> sp.Expr:
