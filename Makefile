@@ -1,5 +1,5 @@
 # Two commands: `make rig` simulates the paper's rig, `make test` tests everything.
-# Both need git, make, Python >= 3.11 and (for full speed) a C compiler; the rest goes into .venv.
+# Both need git, make, Python >= 3.11 and a C compiler; the rest goes into .venv.
 
 PYTHON ?= python3
 # Small matrices: threads of the linear algebra only wait for each other.

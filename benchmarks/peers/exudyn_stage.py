@@ -100,6 +100,7 @@ class System:
         """Return our x', by Exudyn's forces and mass matrix; a mesh's force stands on the right there."""
         q, u = np.split(x[1:], 2)
         solver, settings = exu.MainSolverImplicitSecondOrder(), exu.SimulationSettings()
+        settings.solution.file.write = False
         solver.InitializeSolver(self.mbs, settings)
         self.mbs.systemData.SetODE2Coordinates(q)
         self.mbs.systemData.SetODE2Coordinates_t(u)

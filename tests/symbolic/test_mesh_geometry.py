@@ -1,4 +1,4 @@
-"""The involute law with one arc tangent is the textbook's, wherever the line of centres points."""
+"""The involute law is the textbook's, wherever the line of centres points."""
 
 import casadi as ca
 import numpy as np
