@@ -500,7 +500,12 @@ import signal, sys
 from ltcgear.runtime import cli
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would ignore it
 sys.argv = ["ltcgear", *sys.argv[1:]]
-print("ready", flush=True)
+module = sys.modules["ltcgear.runtime.cli.app"]
+app = module.app
+def started(**options):  # what comes before is the interpreter's own
+    print("ready", flush=True)
+    return app(**options)
+module.app = started
 cli.main()
 """
 

@@ -174,16 +174,13 @@ static double first_crossing(march *m, int *at_once) {
   double first = 1.0;
   for (whole g = 0; g < count; ++g) {
     int near = m->fine_values[g] <= m->slack[g], left = 0;
-    whole row = -1;
-    for (whole r = 0; r <= FINE && row < 0; ++r) {
+    double part = 2.0;
+    for (whole r = 0; r <= FINE && part > 1; ++r) {
       double distance = m->fine_values[r * count + g];
       /* What has just crossed may seem to return by the errors of the path between the integrator's steps. */
       left |= fabs(distance) > m->g_noise[g];
-      if (distance < -m->slack[g] && (!near || left)) row = r;
+      if (distance < -m->slack[g] && (!near || left)) part = first_zero(m, g, r);
     }
-    if (row < 0) continue;
-    double part = first_zero(m, g, row);
-    if (part > 1) continue;
     first = smaller(first, part);
     /* From a border on which it rested, a motion may leave so slowly that no slope tells. */
     if (near && part <= AT_ONCE) m->new_sides[g] ^= 1, *at_once = 1;

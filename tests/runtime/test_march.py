@@ -101,3 +101,37 @@ def test_an_arc_that_is_aimed_at_a_border_ends_with_the_run_at_the_latest():
     assert march.counts.segments > 2
     assert march.time == end
     assert march.counts.regimes == 0
+
+
+def test_a_border_that_is_grazed_is_crossed_where_the_motion_crosses_it():
+    """Read at 65 points, the distance seems to be negative at a dip that only comes near, before one that is."""
+    c = case("psh", 'effects.mesh_stiffness = "mean"', 'effects.contact = "backlash"',
+             'stages.psh.mesh.backlash = "0.1 mm"')  # fmt: skip
+    march = march_of(c, "rosenbrock")
+    state, s = c.state("psh.output.u"), np.zeros(0)
+    which = list(c.library.manifest.holds).index("hold.psh.mesh")
+
+    def distance(z):
+        return march.regimes.seen(march.frame.origin + march.frame.scale * z, s)[which]
+
+    unit = np.eye(len(march.z))[state]
+    rest, slope = distance(0 * unit), distance(unit) - distance(0 * unit)
+    parts = np.linspace(0, 1, 2001)
+
+    def wanted(part):
+        return 1.0001 + np.polynomial.chebyshev.Chebyshev.basis(16)(2 * part - 1) - 0.1 * part**8
+
+    below = parts[wanted(parts) < 0]
+    assert 0.55 < below[0] < 0.65
+    whole = march.state.longest
+
+    def advance(z, duration, origin, s, slopes):
+        times = duration * march.nodes.points
+        path = np.zeros((len(times), len(z)))
+        path[:, state] = rest / slope * (wanted(times / whole) / wanted(0.0) - 1)
+        return Arc(duration, path, np.zeros(len(times)))
+
+    march.stepper.advance = advance
+    march.proceed(segments=1)
+    assert march.counts.segments == 2
+    assert march.time == pytest.approx(below[0] * whole, rel=2e-3)

@@ -1,8 +1,11 @@
+import ctypes
+from functools import cache
 from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
 import pytest
+from ltcgear.generated import store
 from ltcgear.generated.contract import Report
 from ltcgear.runtime.reading import sampled
 from ltcgear.runtime.spectra import (
@@ -161,9 +164,21 @@ OVERSAMPLE, KEPT = 8, 8192.0
 LOUD = 223.0  # where 13 * 613 Hz = 7969 Hz would show: 8192 Hz - 7969 Hz
 
 
+@cache
+def states_as_outputs():
+    """A compiled function "outputs" of (x, s, p) that returns the states, and its code."""
+    x, levels, p = ca.SX.sym("x", 5), ca.SX.sym("s", 1), ca.SX.sym("p", 1)
+    outputs = ca.Function("outputs", [x, levels, p], [ca.densify(p[0] * x + 0 * levels[0])])
+    text = ca.CodeGenerator("outputs.c", {"casadi_int": "long long int"})
+    text.add(outputs)
+    compiler = store.compiler()
+    assert compiler is not None
+    return outputs, ctypes.CDLL(str(store.library(text.dump(), compiler)))
+
+
 def fake_run(*rows):
     """A library whose outputs are its states and a trajectory through `rows` (ax, ay, vx, vy, other)."""
-    x, levels, p = ca.SX.sym("x", 5), ca.SX.sym("s", 1), ca.SX.sym("p", 1)
+    outputs, code = states_as_outputs()
     reports = [
         Report(quantity, "disc", unit, "member")
         for quantity, unit in (
@@ -171,9 +186,9 @@ def fake_run(*rows):
             ("velocity_x", "m/s"), ("velocity_y", "m/s"), ("displacement_x", "m"),
         )
     ]  # fmt: skip
-    outputs = ca.Function("outputs", [x, levels, p], [ca.densify(p[0] * x + 0 * levels[0])])
     library = SimpleNamespace(
         functions={"outputs": outputs},
+        code=code,
         manifest=SimpleNamespace(reports=tuple(reports), parameters=(("p", ""),), clocks=(), states=()),
     )
     time = np.arange(rows[0].size) / (KEPT * OVERSAMPLE)

@@ -6,7 +6,7 @@ from math import acos, cos, pi, sin, sqrt, tan
 import numpy as np
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.runtime.kernel import over_time
+from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.results import energy_residual
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model
@@ -137,7 +137,7 @@ def mean_loss(found, mesh, pitches=2):
     path = found.run(method="erk", rtol=1e-9, t_end=pitches / rate, rate=count * rate / pitches)
     assert path.status == "done"
     assert abs(energy_residual(found.library, found.p, found.at, path)) < 1e-5
-    lost = over_time(found.library.functions["energy"], [path.x, path.levels, found.p])[:count, 4]
+    lost = over_time(found.library, "energy", path.x, path.levels, found.p)[:count, 4]
     assert (lost >= 0).all()
     return lost.mean()
 
