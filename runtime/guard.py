@@ -6,7 +6,8 @@ from numpy.typing import NDArray
 
 from .equilibrium import Equilibrium, closed, inertias, state_matrix
 from .library import Library
-from .modes import find_modes
+from .linear.modes import find_modes
+from .linear.system import linearise
 from .scaling import vibration_scale
 
 Vector = NDArray[np.float64]
@@ -46,7 +47,7 @@ def check_explicit(library: Library, at: Equilibrium, p: Vector, method: str, t_
 
 def _slowest(library: Library, at: Equilibrium, p: Vector) -> float:
     """Return the smallest natural frequency [rad/s] that is not rigid."""
-    found = (mode.frequency_hz for mode in find_modes(library, at, p) if mode.kind != "rigid")
+    found = (mode.frequency_hz for mode in find_modes(linearise(library, p, at)) if mode.kind != "rigid")
     return 2 * np.pi * min((hertz for hertz in found if hertz > 0), default=float("inf"))
 
 

@@ -92,12 +92,13 @@ def generate(
 def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) -> None:
     """List eigenfrequencies and damping at the loaded equilibrium."""
     from ..equilibrium import find_equilibrium
-    from ..modes import find_modes
+    from ..linear.modes import find_modes
+    from ..linear.system import linearise
 
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
-    found = find_modes(library, find_equilibrium(library, p, tables=opened.model.tables), p)
+    found = find_modes(linearise(library, p, find_equilibrium(library, p, tables=opened.model.tables)))
     listed = [
         {
             "frequency_hz": m.frequency_hz,

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ..batch import over_time
 from ..integration import Trajectory
-from ..modes import find_modes
+from ..linear.modes import find_modes
+from ..linear.system import linearise
 from ..stepper import EXPLICIT
 from .case import Bench, Finding, HardCase, Open
 
@@ -121,7 +122,7 @@ def _free(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     bench = open_("lin-parker-4", FREE)
     position = bench.library.index("")
     yield Finding("displacement at rest [m], [rad]", float(np.abs(bench.at.x[position]).max()), 1e-12)
-    modes = find_modes(bench.library, bench.at, bench.p)
+    modes = find_modes(linearise(bench.library, bench.p, bench.at))
     kinds = [mode.kind for mode in modes]
     yield Finding("rigid modes, off 4", abs(kinds.count("rigid") - 4), 0)
     yield Finding(

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..batch import over_time
-from ..modes import Mode, find_modes
+from ..linear.modes import Mode, find_modes
+from ..linear.system import linearise
 from .case import Finding, HardCase, Open
 
 SMALL_PLANETS = {
@@ -37,7 +38,7 @@ def _planets(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     wrong, spread, disorder = 0, 0.0, 0
     for n in range(3, 8):
         bench = open_("lin-parker-4", SMALL_PLANETS | {"stages.gear.planets": str(n)})
-        modes = find_modes(bench.library, bench.at, bench.p)
+        modes = find_modes(linearise(bench.library, bench.p, bench.at))
         due = Counter(rigid=1, rotational=SINGLE, translational=2 * DOUBLE, planet=PLANET * (n - 3))
         wrong += (Counter(mode.kind for mode in modes) - due).total() + (3 * (3 + n) != len(modes))
         spread = max(spread, _spread(modes, "translational", 2), _spread(modes, "planet", n - 3))

@@ -10,7 +10,8 @@ from ..equilibrium import Equilibrium
 from ..exact import Exact
 from ..integration import Trajectory
 from ..kernel import Kernel
-from ..modes import find_modes
+from ..linear.modes import find_modes
+from ..linear.system import linearise
 from ..scaling import vibration_scale
 from ..stepper import MULTISTEP
 from .case import Bench, Finding, HardCase, Open
@@ -38,7 +39,7 @@ RTOL, PUSH = 1e-8, 1e3
 def check_parametric(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     """Compare growth and decay in time with the largest Floquet multiplier of the exact solution."""
     bench = open_("psh", FREE)
-    natural = find_modes(bench.library, bench.at, bench.p)[-1].frequency_hz
+    natural = find_modes(linearise(bench.library, bench.p, bench.at))[-1].frequency_hz
     for tuning, damping in POINTS:
         speed = 2 * np.pi * tuning * natural / TEETH
         bench = open_(

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ltcgear.runtime.equilibrium import _newton
-from ltcgear.runtime.modes import find_modes
+from ltcgear.runtime.linear.modes import find_modes
+from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.results import energy_residual
 
 from reference.hand_profiles import smooth_levels
@@ -119,7 +120,7 @@ def test_the_torque_of_the_stiffness_at_rest_is_that_of_closed_form():
 
 def frequencies(scene, *settings):
     found = case(scene, *settings)
-    return np.array([mode.frequency_hz for mode in find_modes(found.library, found.at, found.p)])
+    return np.array([mode.frequency_hz for mode in find_modes(linearise(found.library, found.p, found.at))])
 
 
 def stiffened(scene, settings, springs, idealised, factors, below=np.inf):

@@ -5,7 +5,8 @@ from math import copysign
 
 import numpy as np
 import pytest
-from ltcgear.runtime.modes import find_modes
+from ltcgear.runtime.linear.modes import find_modes
+from ltcgear.runtime.linear.system import linearise
 
 from reference import lin_parker
 
@@ -16,7 +17,7 @@ TWO_PI = 2 * np.pi
 
 
 def modes_of(c):
-    return find_modes(c.library, c.at, c.p)
+    return find_modes(linearise(c.library, c.p, c.at))
 
 
 def lin_parker_modes(n):

@@ -1,0 +1,1 @@
+"""Small motions: the generated model linearised about an operating point, and what follows from it."""
