@@ -1,7 +1,7 @@
 """Linear system: the generated model about an operating point, in the coordinates that turn with the carriers."""
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
@@ -168,6 +168,7 @@ def _turned(library: Library, p: Vector, at: Equilibrium, turn: float) -> Equili
     return replace(at, x=x, levels=levels_of(cells_of(Phases(tau, rate, share))))
 
 
+@lru_cache(maxsize=16)
 def _jacobian(graph: ca.Function, argument: int) -> ca.Function:
     """Return the derivative of a graph's first result as a function of (x, s, p)."""
     symbols = [ca.SX.sym(graph.name_in(i), graph.sparsity_in(i)) for i in range(graph.n_in())]

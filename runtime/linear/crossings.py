@@ -1,0 +1,153 @@
+"""Crossings: where an order of excitation meets an eigenfrequency, how far off that is, and how hard it excites."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
+
+from ..statistics import group_of, stage_of
+from .campbell import LOAD, Campbell
+from .excitation import find_harmonics
+from .inputs import MeshPath, find_paths
+from .modes import Mode
+from .orders import Order, phases_of
+
+Vector = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+MICRON = 1e-6
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """An order that meets an eigenfrequency.
+
+    Attributes
+    ----------
+    order, mode
+        The order, and the number of the mode.
+    value, frequency_hz
+        Where on the axis, and at which frequency.
+    margin
+        How far beyond the scene's own value, as a part of it; negative below.
+    mesh
+        The mesh that the order excites most.
+    sensitivity
+        Amplitude of its force [N] that a transmission error of 1 um of its group makes through this mode, in
+        resonance; None without damping.
+    force
+        Amplitude [N] that follows from the stiffness and errors of the scene, largest mesh of the stage; None for a
+        sideband, whose modulation is not known, and without damping.
+    """
+
+    order: Order
+    mode: int
+    value: float
+    frequency_hz: float
+    margin: float
+    mesh: str
+    sensitivity: float | None
+    force: float | None
+
+
+def find_crossings(campbell: Campbell, orders: Sequence[Order]) -> list[Crossing]:
+    """Find where orders cross eigenfrequencies, those that excite most first.
+
+    Parameters
+    ----------
+    campbell
+        The modes along the axis.
+    orders
+        The orders.
+    """
+    harmonics = max((order.harmonic for order in orders), default=0)
+    points = [_Point(campbell, i, harmonics) for i in range(len(campbell.values))]
+    # Over speed, deflections change by centrifugal forces alone: the meshes are those at the scene's own speed.
+    meshes = points if campbell.axis == LOAD else [points[campbell.at_home]] * len(points)
+    found = []
+    for column in range(campbell.tracks.shape[1]):
+        frequency = campbell.frequencies(column)
+        for order in orders:
+            for value, hertz in _meet(campbell, frequency, order):
+                point = int(np.abs(np.where(np.isfinite(frequency), campbell.values, np.inf) - value).argmin())
+                mode = campbell.mode(point, column)
+                if mode is not None and mode.eigenvalue.imag:
+                    margin = value / campbell.home - 1 if campbell.home else float("nan")
+                    about = (order, campbell.number(column), value, hertz, margin)
+                    found.append(Crossing(*about, *meshes[point].excited(order, mode, campbell.modes[point])))
+    return sorted(found, key=_rank)
+
+
+def _rank(crossing: Crossing) -> tuple[bool, float, float]:
+    """Sort by the force that follows, then by the sensitivity; unbounded first."""
+    without = crossing.sensitivity is None
+    return (not without, -(crossing.force or 0.0), -(crossing.sensitivity or 0.0))
+
+
+def _meet(campbell: Campbell, frequency: Vector, order: Order) -> list[tuple[float, float]]:
+    """Return where an order meets a mode: value on the axis and frequency [Hz]."""
+    known = np.flatnonzero(np.isfinite(frequency))
+    runs = np.split(known, np.flatnonzero(np.diff(known) > 1) + 1)
+    return [met for run in runs if len(run) > 1 for met in _meet_along(campbell, frequency, order, run)]
+
+
+def _meet_along(
+    campbell: Campbell, frequency: Vector, order: Order, run: NDArray[np.int64]
+) -> list[tuple[float, float]]:
+    """Return where an order meets a mode between neighbouring points."""
+    values = campbell.values[run]
+    mode = PchipInterpolator(values, frequency[run])
+    driven = PchipInterpolator(values, order.order * np.abs(campbell.turns[run]))
+    gap = np.asarray(mode(values) - driven(values))
+    met = values[gap == 0].tolist()
+    for i in np.flatnonzero(gap[:-1] * gap[1:] < 0):
+        met.append(brentq(lambda value: float(mode(value) - driven(value)), values[i], values[i + 1]))
+    return [(value, float(mode(value))) for value in met]
+
+
+class _Point:
+    """A point of the axis, as the orders excite its modes; computed once it is asked for."""
+
+    def __init__(self, campbell: Campbell, point: int, harmonics: int) -> None:
+        self.linear, self.p = campbell.linears[point], campbell.parameters[point]
+        self.harmonics, self.speed = harmonics, float(campbell.turns[campbell.at_home])
+
+    @cached_property
+    def paths(self) -> dict[str, MeshPath]:
+        return find_paths(self.linear)
+
+    @cached_property
+    def own(self) -> dict[str, Complex]:
+        return find_harmonics(self.linear, self.p, self.harmonics)
+
+    def excited(self, order: Order, mode: Mode, modes: Sequence[Mode]) -> tuple[str, float | None, float | None]:
+        """Return the mesh that an order excites most through a mode, its sensitivity and its own force [N]."""
+        meshes = [mesh for mesh in self.paths if stage_of(mesh) == order.stage]
+        omega, same = abs(mode.eigenvalue.imag), [other for other in modes if other.group == mode.group]
+        if not -mode.eigenvalue.real > 1e-12 * omega:
+            return meshes[0], None, None
+        best, most = meshes[0], -1.0
+        manifest = self.linear.library.manifest
+        for group in dict.fromkeys(map(group_of, meshes)):
+            members = [mesh for mesh in meshes if group_of(mesh) == group]
+            phase = np.exp(1j * phases_of(manifest, self.p, order, members, self.speed))
+            pushed = {m: self.paths[m].of_error(omega) * MICRON * q for m, q in zip(members, phase, strict=True)}
+            forces = self._forces(omega, same, pushed, members)
+            if forces.max() > most:
+                best, most = members[int(forces.argmax())], float(forces.max())
+        if order.side:
+            return best, most, None
+        pushed = {mesh: complex(self.own[mesh][order.harmonic - 1]) for mesh in meshes}
+        return best, most, float(self._forces(omega, same, pushed, meshes).max())
+
+    def _forces(self, omega: float, modes: list[Mode], pushed: dict[str, complex], meshes: list[str]) -> Vector:
+        """Return the amplitudes of mesh forces [N] that modes, one or a repeated one, make at a frequency [rad/s]."""
+        push = sum((self.paths[mesh].push * force for mesh, force in pushed.items()), np.zeros(1, np.complex128))
+        total = np.zeros(len(meshes), dtype=np.complex128)
+        for mode in modes:
+            moved = (mode.left.conj() @ push) / (1j * omega - mode.eigenvalue)
+            total += moved * np.array([self.paths[mesh].force @ mode.shape for mesh in meshes])
+        return np.abs(total)

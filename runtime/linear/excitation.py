@@ -1,0 +1,67 @@
+"""Excitation: the harmonics with which each mesh's own stiffness and errors drive small motions."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..clocks import TURN
+from ..kernel import Kernel
+from ..statistics import stage_of
+from ..switching import Phases, cells_of, levels_of
+from .orders import mesh_advances
+from .system import Linear
+
+Vector = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+SAMPLES = 1024
+"""Phases of a tooth pitch at which forces are read; a jump of stiffness is placed to half of one."""
+
+
+def find_harmonics(linear: Linear, p: Vector, count: int) -> dict[str, Complex]:
+    """Return the complex amplitudes [N] of what each mesh's force varies by while all bodies stand still.
+
+    Deflections are held at those of the equilibrium while the mesh phase goes on by one pitch. What the force then
+    does, (k(tau) - k) delta and k e of errors, is what drives the motion to first order.
+
+    Parameters
+    ----------
+    linear
+        The linear system at the equilibrium.
+    p
+        The parameters of the scene, by which stiffness and errors vary (``linear.p`` has their means).
+    count
+        How many harmonics of the mesh frequency.
+
+    Returns
+    -------
+    dict
+        Mesh -> shape (count,): u_h of u(t) = Re sum u_h exp(i h omega t), time 0 at the equilibrium's phase.
+    """
+    library = linear.library
+    names = [state.name for state in library.manifest.states]
+    if "reference.angle" not in names:
+        return {}
+    phases = Phases(*(part.copy() for part in Kernel(library.functions["phases"])(linear.at.x, linear.at.s, p)))
+    outputs, angle, sense = Kernel(library.functions["outputs"]), names.index("reference.angle"), _sense(linear, p)
+    places = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    waves = np.exp(-1j * TURN * np.outer(np.arange(1, count + 1), places)) * (2 / SAMPLES)
+    found = {}
+    for stage, advance in mesh_advances(library.manifest, p).items():
+        columns = [i for i, r in enumerate(library.manifest.reports) if r.quantity == "mesh_force"]
+        columns = [i for i in columns if stage_of(library.manifest.reports[i].item) == stage]
+        forces = np.empty((SAMPLES, len(columns)))
+        for row, place in enumerate(places):
+            x = linear.at.x.copy()
+            x[angle] += sense * TURN * place / abs(advance)
+            levels = levels_of(cells_of(replace(phases, tau=phases.tau + place)))
+            forces[row] = outputs(x, np.concatenate([levels, linear.at.signals]), p)[0][columns]
+        found |= {library.manifest.reports[i].item: u for i, u in zip(columns, (waves @ forces).T, strict=True)}
+    return found
+
+
+def _sense(linear: Linear, p: Vector) -> float:
+    """Return the sense in which the reference turns."""
+    names = [name for name, _ in linear.library.manifest.parameters]
+    speed = p[names.index("reference.speed")] if "reference.speed" in names else 1.0
+    return -1.0 if speed < 0 else 1.0

@@ -1,0 +1,129 @@
+"""Orders: how often, in one turn of the reference, meshes excite, and what modulates them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import atan2
+
+import numpy as np
+from ltcgear.generated.contract import Manifest
+from numpy.typing import NDArray
+
+from ..clocks import TURN, Clocks
+from ..statistics import stage_of
+
+Vector = NDArray[np.float64]
+SIDES = (-1, 1)
+"""Steps to both sides of a mesh order at which its sidebands stand."""
+
+
+@dataclass(frozen=True)
+class Side:
+    """What modulates the meshes of a stage.
+
+    Attributes
+    ----------
+    name
+        ``carrier``, ``ring pass`` or ``sun pass``.
+    order
+        Cycles in a turn of the reference.
+    spread
+        Cycles of the modulation from one place round the stage to the same again: planet i, at the angle psi_i,
+        sees it spread psi_i ahead.
+    """
+
+    name: str
+    order: float
+    spread: int
+
+
+@dataclass(frozen=True)
+class Order:
+    """An order of excitation.
+
+    Attributes
+    ----------
+    name
+        ``2 psh``, or ``psh + ring pass`` for a sideband; plain ``psh`` is its first.
+    stage, harmonic
+        The gear set, and which harmonic of its mesh frequency.
+    order
+        Cycles in a turn of the reference.
+    spread
+        Of a sideband, how its phase goes round the stage (see ``Side``), with the sign of its step; 0 of a harmonic.
+    side
+        What modulates, empty for a harmonic.
+    """
+
+    name: str
+    stage: str
+    harmonic: int
+    order: float
+    spread: int = 0
+    side: str = ""
+
+
+def list_orders(manifest: Manifest, p: Vector, harmonics: int, sidebands: bool = False) -> list[Order]:
+    """List harmonics of every gear set's mesh frequency, and their first sidebands where asked for.
+
+    One turn of the reference moves a mesh by Z (rho - rho_C) pitches, rho being the speed ratios of gear 1 and of
+    the carrier, Z the teeth of gear 1; the whole numbers of the teeth make it exact.
+    """
+    orders = []
+    for stage, advance in mesh_advances(manifest, p).items():
+        for harmonic in range(1, harmonics + 1):
+            name = stage if harmonic == 1 else f"{harmonic} {stage}"
+            middle = harmonic * abs(advance)
+            orders.append(Order(name, stage, harmonic, middle))
+            for side in list_sides(manifest, p, stage) if sidebands else []:
+                for step in SIDES:
+                    sign = "+" if step > 0 else "-"
+                    value, spread = middle + step * side.order, step * side.spread
+                    if value > 0:
+                        orders.append(Order(f"{name} {sign} {side.name}", stage, harmonic, value, spread, side.name))
+    return orders
+
+
+def mesh_advances(manifest: Manifest, p: Vector) -> dict[str, float]:
+    """Return by gear set the pitches that pass in one turn of the reference; those whose meshes stand are left out."""
+    courses = Clocks(manifest, p).by_mesh
+    return {stage_of(mesh): float(course.advance) for mesh, course in courses.items() if course.advance}
+
+
+def list_sides(manifest: Manifest, p: Vector, stage: str) -> list[Side]:
+    """List what modulates the meshes of a stage: its carrier's turns, and its planets' passes over ring and sun."""
+    number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
+    sides: dict[str, Side] = {}
+    for clock in manifest.clocks:
+        if stage_of(clock.mesh) != stage or clock.mesh.count(".") < 2:
+            continue
+        carrier = number.get(clock.frame, 0.0)
+        relative = abs(number.get(clock.ratio, 0.0) - carrier)
+        planets = sum(other.mesh.rpartition(".")[0] == clock.mesh.rpartition(".")[0] for other in manifest.clocks)
+        gear = clock.mesh.split(".")[1].partition("_")[0]
+        if carrier:
+            sides["carrier"] = Side("carrier", abs(carrier), 1)
+        if relative:
+            sides[gear] = Side(f"{gear} pass", planets * relative, planets)
+    return list(sides.values())
+
+
+def phases_of(manifest: Manifest, p: Vector, order: Order, meshes: Sequence[str], speed: float) -> Vector:
+    """Return the phases [rad] with which an order excites meshes of its stage, shape (meshes,).
+
+    The h-th harmonic of a mesh that stands at tau is h tau cycles ahead, whatever its shape; planets differ by
+    their mesh phases, which is what decides about the modes that are excited (Parker 2000, J. Sound Vib. 236:561).
+
+    Parameters
+    ----------
+    speed
+        Of the reference [rad/s]; its sign tells which way phases run.
+    """
+    number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
+    starts = {clock.mesh: number[clock.start] for clock in manifest.clocks if clock.mesh}
+    courses = Clocks(manifest, p).by_mesh
+    found = []
+    for mesh in meshes:
+        sense = 1.0 if float(courses[mesh].advance) * speed >= 0 else -1.0
+        place = atan2(number.get(f"{mesh}.e_y", 0.0), number.get(f"{mesh}.e_x", 1.0))
+        found.append(sense * TURN * order.harmonic * starts[mesh] + order.spread * place)
+    return np.array(found)
