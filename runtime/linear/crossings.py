@@ -1,7 +1,7 @@
 """Crossings: where an order of excitation meets an eigenfrequency, how far off that is, and how hard it excites."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +19,8 @@ from .orders import Order, phases_of
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 MICRON = 1e-6
+NOTHING = 1e-9
+"""Share of the exciting forces below which what a mode makes of them is rounding: the planets cancel each other."""
 
 
 @dataclass(frozen=True)
@@ -27,8 +29,8 @@ class Crossing:
 
     Attributes
     ----------
-    order, mode
-        The order, and the number of the mode.
+    order, modes
+        The order, and the numbers of the mode and of those that are repeated with it.
     value, frequency_hz
         Where on the axis, and at which frequency.
     margin
@@ -44,7 +46,7 @@ class Crossing:
     """
 
     order: Order
-    mode: int
+    modes: tuple[int, ...]
     value: float
     frequency_hz: float
     margin: float
@@ -67,18 +69,23 @@ def find_crossings(campbell: Campbell, orders: Sequence[Order]) -> list[Crossing
     points = [_Point(campbell, i, harmonics) for i in range(len(campbell.values))]
     # Over speed, deflections change by centrifugal forces alone: the meshes are those at the scene's own speed.
     meshes = points if campbell.axis == LOAD else [points[campbell.at_home]] * len(points)
-    found = []
+    found: dict[tuple[Order, int, int], Crossing] = {}
     for column in range(campbell.tracks.shape[1]):
         frequency = campbell.frequencies(column)
         for order in orders:
             for value, hertz in _meet(campbell, frequency, order):
                 point = int(np.abs(np.where(np.isfinite(frequency), campbell.values, np.inf) - value).argmin())
                 mode = campbell.mode(point, column)
-                if mode is not None and mode.eigenvalue.imag:
-                    margin = value / campbell.home - 1 if campbell.home else float("nan")
-                    about = (order, campbell.number(column), value, hertz, margin)
-                    found.append(Crossing(*about, *meshes[point].excited(order, mode, campbell.modes[point])))
-    return sorted(found, key=_rank)
+                if mode is None or not mode.eigenvalue.imag:
+                    continue
+                margin = value / campbell.home - 1 if campbell.home else float("nan")
+                key, number = (order, point, mode.group), (campbell.number(column),)
+                if key in found:
+                    found[key] = replace(found[key], modes=found[key].modes + number)
+                    continue
+                excited = meshes[point].excited(order, mode, campbell.modes[point])
+                found[key] = Crossing(order, number, value, hertz, margin, *excited)
+    return sorted(found.values(), key=_rank)
 
 
 def _rank(crossing: Crossing) -> tuple[bool, float, float]:
@@ -150,4 +157,5 @@ class _Point:
         for mode in modes:
             moved = (mode.left.conj() @ push) / (1j * omega - mode.eigenvalue)
             total += moved * np.array([self.paths[mesh].force @ mode.shape for mesh in meshes])
-        return np.abs(total)
+        sizes = np.abs(total)
+        return np.where(sizes > NOTHING * max(map(abs, pushed.values())), sizes, 0.0)
