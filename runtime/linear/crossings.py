@@ -20,7 +20,7 @@ Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 MICRON = 1e-6
 NOTHING = 1e-9
-"""Share of the exciting forces below which what a mode makes of them is rounding: the planets cancel each other."""
+"""Share of the force of 1 um below which what a mode makes is rounding: the planets cancel each other."""
 
 
 @dataclass(frozen=True)
@@ -158,4 +158,6 @@ class _Point:
             moved = (mode.left.conj() @ push) / (1j * omega - mode.eigenvalue)
             total += moved * np.array([self.paths[mesh].force @ mode.shape for mesh in meshes])
         sizes = np.abs(total)
-        return np.where(sizes > NOTHING * max(map(abs, pushed.values())), sizes, 0.0)
+        return np.where(
+            sizes > NOTHING * MICRON * max(abs(self.paths[mesh].of_error(omega)) for mesh in pushed), sizes, 0.0
+        )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
+from ..statistics import group_of
 from .campbell import SPEED
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ WIDE = 6.0
 """Ratio of the fastest mesh frequency to the slowest from which frequencies are drawn by their logarithm."""
 NAMED = 8
 """Crossings and peaks that are numbered."""
+SHOWN = 1e-6
+"""Share of the largest amplitude down to which a panel reaches."""
 STRONG = 1e-3
 """Share of the strongest crossing's force below which one is not marked."""
 PANELS = (
@@ -179,12 +182,18 @@ def draw_response(data: Data, path: Path) -> None:
 
 
 def _strongest(data: Data, quantities: tuple[str, ...]) -> list[Data]:
-    """Return the outputs of some quantities with the largest amplitudes; what the excited mesh shows comes first."""
+    """Return the outputs of some quantities with the largest amplitudes, one of equal planets.
+
+    What the excited mesh shows comes first.
+    """
     outputs = [
         output for output in data["outputs"] if output["quantity"] in quantities and max(output["amplitude"]) > 0
     ]
     outputs.sort(key=lambda output: (output["item"] != data["excited"], -max(output["amplitude"])))
-    return outputs[: len(CURVES)]
+    chosen: dict[str, Data] = {}
+    for output in outputs:
+        chosen.setdefault(output["item"] if output["item"] == data["excited"] else group_of(output["item"]), output)
+    return list(chosen.values())[: len(CURVES)]
 
 
 def _draw_amplitudes(axes: Axes, data: Data, name: str, curves: list[Data]) -> None:
@@ -197,7 +206,7 @@ def _draw_amplitudes(axes: Axes, data: Data, name: str, curves: list[Data]) -> N
     unit = curves[0]["unit"].split("/")[0].replace("*", " ")
     axes.set_ylabel(f"{name}\n[{unit} over {'1 µm' if micro else '1 N m'}]", fontsize=9)
     top = max(max(output["amplitude"]) for output in curves) * (1e-6 if micro else 1.0)
-    axes.set_ylim(top * 1e-5, top * 3)
+    axes.set_ylim(top * SHOWN, top * 3)
 
 
 def _draw_phases(axes: Axes, data: Data, curves: list[Data]) -> None:
@@ -214,7 +223,9 @@ def _draw_phases(axes: Axes, data: Data, curves: list[Data]) -> None:
 def _name_peaks(axes: Axes, data: Data, output: Data) -> None:
     """Mark the peaks of the first curve by numbers; the legend names their modes."""
     scale = 1e-6 if data["unit"] == "m" else 1.0
-    for number, peak in enumerate(output["peaks"][:NAMED], start=1):
+    top = output["peaks"][0]["amplitude"] if output["peaks"] else 0.0
+    visible = [peak for peak in output["peaks"][:NAMED] if peak["amplitude"] > SHOWN * top]
+    for number, peak in enumerate(visible, start=1):
         place = (peak["frequency_hz"], scale * peak["amplitude"])
         axes.annotate(
             str(number), place, xytext=(0, 3), textcoords="offset points", ha="center", va="bottom", fontsize=8,

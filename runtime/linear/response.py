@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
+from scipy.signal import find_peaks as find_maxima
 from scipy.sparse import csc_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
@@ -26,6 +27,9 @@ MOTION = "dynamic_transmission_error"
 """Motion of a mesh along its line of action, the error itself left out [m]."""
 BESIDE = np.array([-8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0])
 """Where frequencies stand about a resonance, in half-power half-widths."""
+
+PROMINENT = 0.1
+"""By how much of itself a peak must stand out."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +153,7 @@ def find_peaks(response: Response, column: int, modes: Sequence[Mode]) -> list[t
     y r (l^H b) / (i omega - lambda), with its left and right vectors l and r, and y the output's row.
     """
     size = np.abs(response.values[:, column])
-    inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    inner = find_maxima(np.log(np.maximum(size, 1e-300)), prominence=PROMINENT)[0]
     parts = {
         k: (response.rows[column] @ mode.shape) * (mode.left.conj() @ response.push)
         for k, mode in enumerate(modes)
