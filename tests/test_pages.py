@@ -256,3 +256,18 @@ def test_the_page_of_ensembles_tells_what_was_measured(benchmarks):
         assert found["runs"] == ensemble.RUNS
         # More workers do not cost more work.
         assert ensemble.least(found, "several", "cpu") < 1.15 * ensemble.least(found, "one", "cpu")
+
+
+# --- resonance
+
+
+def test_resonances_of_the_rig(benchmarks):
+    resonance = benchmarks("resonance")
+    made = resonance.table(resonance.campbell()).splitlines()[2:]
+    found, _ = rows(resonance)
+    assert len(found) == len(made) == resonance.ROWS
+    for page, line in zip(found, made, strict=True):
+        now = [cell.strip() for cell in line.strip("| ").split("|")]
+        assert (page[0], page[4]) == (now[0], now[4])
+        for place in (1, 2, 5, 6):
+            assert float(page[place]) == pytest.approx(float(now[place]), rel=1e-3, abs=0.011)

@@ -121,13 +121,17 @@ def _mark_crossings(axes: Axes, data: Data, low: float, high: float) -> None:
         )
     if shown:
         axes.plot([], [], "o", color=VERMILLION, ms=3.5, label="crossing that excites")
+    unit = " rpm" if data["axis"] == SPEED else " times the load"
     for number, crossing in enumerate(shown[:NAMED], start=1):
         axes.annotate(
             str(number), (crossing["at"], crossing["frequency_hz"]), xytext=(4, 4), textcoords="offset points",
             fontsize=8, fontweight="bold",
         )  # fmt: skip
         axes.plot(
-            [], [], " ", label=f"{number}: {crossing['crossing']}\n    {crossing['at']:.4g}, {_strength(crossing)}"
+            [],
+            [],
+            " ",
+            label=f"{number}: {crossing['crossing']}\n    {crossing['at']:.4g}{unit}, {_strength(crossing)}",
         )
 
 
@@ -190,8 +194,9 @@ def _strongest(data: Data, quantities: tuple[str, ...]) -> list[Data]:
         output for output in data["outputs"] if output["quantity"] in quantities and max(output["amplitude"]) > 0
     ]
     outputs.sort(key=lambda output: (output["item"] != data["excited"], -max(output["amplitude"])))
+    top = max((max(output["amplitude"]) for output in outputs), default=0.0)
     chosen: dict[str, Data] = {}
-    for output in outputs:
+    for output in (output for output in outputs if max(output["amplitude"]) > SHOWN * top):
         chosen.setdefault(output["item"] if output["item"] == data["excited"] else group_of(output["item"]), output)
     return list(chosen.values())[: len(CURVES)]
 
