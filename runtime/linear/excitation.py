@@ -1,21 +1,19 @@
 """Excitation: the harmonics with which each mesh's own stiffness and errors drive small motions."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ..clocks import TURN
 from ..kernel import Kernel
 from ..statistics import stage_of
-from ..switching import Phases, cells_of, levels_of
+from ..switching import Phases
 from .orders import mesh_advances
 from .system import Linear
 
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 SAMPLES = 1024
-"""Phases of a tooth pitch at which forces are read; a jump of stiffness is placed to half of one."""
+"""Phases of a tooth pitch at which forces are read."""
 
 
 def find_harmonics(linear: Linear, p: Vector, count: int) -> dict[str, Complex]:
@@ -46,7 +44,7 @@ def find_harmonics(linear: Linear, p: Vector, count: int) -> dict[str, Complex]:
     outputs, angle, sense = Kernel(library.functions["outputs"]), names.index("reference.angle"), _sense(linear, p)
     places = (np.arange(SAMPLES) + 0.5) / SAMPLES
     waves = np.exp(-1j * TURN * np.outer(np.arange(1, count + 1), places)) * (2 / SAMPLES)
-    found = {}
+    found: dict[str, Complex] = {}
     for stage, advance in mesh_advances(library.manifest, p).items():
         columns = [i for i, r in enumerate(library.manifest.reports) if r.quantity == "mesh_force"]
         columns = [i for i in columns if stage_of(library.manifest.reports[i].item) == stage]
@@ -54,10 +52,21 @@ def find_harmonics(linear: Linear, p: Vector, count: int) -> dict[str, Complex]:
         for row, place in enumerate(places):
             x = linear.at.x.copy()
             x[angle] += sense * TURN * place / abs(advance)
-            levels = levels_of(cells_of(replace(phases, tau=phases.tau + place)))
+            levels = _mean_levels(phases.tau + place, phases.share)
             forces[row] = outputs(x, np.concatenate([levels, linear.at.signals]), p)[0][columns]
         found |= {library.manifest.reports[i].item: u for i, u in zip(columns, (waves @ forces).T, strict=True)}
     return found
+
+
+def _mean_levels(tau: Vector, share: Vector) -> Vector:
+    """Return the mean levels about mesh phases, over the distance of two samples: a jump counts where it lies."""
+
+    def double(tau: Vector) -> Vector:
+        """Return the double contact that has gone by until a phase [cycles]."""
+        whole = np.floor(tau)
+        return np.asarray(whole * (1.0 - share) + np.maximum(tau - whole - share, 0.0))
+
+    return (double(tau + 0.5 / SAMPLES) - double(tau - 0.5 / SAMPLES)) * SAMPLES
 
 
 def _sense(linear: Linear, p: Vector) -> float:

@@ -25,10 +25,10 @@ class Side:
     name
         ``carrier``, ``ring pass`` or ``sun pass``.
     order
-        Cycles in a turn of the reference.
+        Cycles in a turn of the reference, positive where the planets go round in its sense against what they pass.
     spread
         Cycles of the modulation from one place round the stage to the same again: planet i, at the angle psi_i,
-        sees it spread psi_i ahead.
+        sees it spread psi_i ahead, in the sense of ``order``.
     """
 
     name: str
@@ -49,7 +49,8 @@ class Order:
     order
         Cycles in a turn of the reference.
     spread
-        Of a sideband, how its phase goes round the stage (see ``Side``), with the sign of its step; 0 of a harmonic.
+        Of a sideband, how its phase goes round the stage where the reference turns counter-clockwise (see ``Side``);
+        0 of a harmonic.
     side
         What modulates, empty for a harmonic.
     """
@@ -77,7 +78,8 @@ def list_orders(manifest: Manifest, p: Vector, harmonics: int, sidebands: bool =
             for side in list_sides(manifest, p, stage) if sidebands else []:
                 for step in SIDES:
                     sign = "+" if step > 0 else "-"
-                    value, spread = middle + step * side.order, step * side.spread
+                    value, spread = middle + step * abs(side.order), step * side.spread
+                    spread = -spread if side.order < 0 else spread
                     if value > 0:
                         orders.append(Order(f"{name} {sign} {side.name}", stage, harmonic, value, spread, side.name))
     return orders
@@ -97,11 +99,11 @@ def list_sides(manifest: Manifest, p: Vector, stage: str) -> list[Side]:
         if stage_of(clock.mesh) != stage or clock.mesh.count(".") < 2:
             continue
         carrier = number.get(clock.frame, 0.0)
-        relative = abs(number.get(clock.ratio, 0.0) - carrier)
+        relative = carrier - number.get(clock.ratio, 0.0)
         planets = sum(other.mesh.rpartition(".")[0] == clock.mesh.rpartition(".")[0] for other in manifest.clocks)
         gear = clock.mesh.split(".")[1].partition("_")[0]
         if carrier:
-            sides["carrier"] = Side("carrier", abs(carrier), 1)
+            sides["carrier"] = Side("carrier", carrier, 1)
         if relative:
             sides[gear] = Side(f"{gear} pass", planets * relative, planets)
     return list(sides.values())
@@ -120,10 +122,10 @@ def phases_of(manifest: Manifest, p: Vector, order: Order, meshes: Sequence[str]
     """
     number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
     starts = {clock.mesh: number[clock.start] for clock in manifest.clocks if clock.mesh}
-    courses = Clocks(manifest, p).by_mesh
+    courses, turning = Clocks(manifest, p).by_mesh, -1.0 if speed < 0 else 1.0
     found = []
     for mesh in meshes:
-        sense = 1.0 if float(courses[mesh].advance) * speed >= 0 else -1.0
+        counting = 1.0 if float(courses[mesh].advance) * speed >= 0 else -1.0
         place = atan2(number.get(f"{mesh}.e_y", 0.0), number.get(f"{mesh}.e_x", 1.0))
-        found.append(sense * TURN * order.harmonic * starts[mesh] + order.spread * place)
+        found.append(counting * TURN * order.harmonic * starts[mesh] + turning * order.spread * place)
     return np.array(found)

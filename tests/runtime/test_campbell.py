@@ -160,7 +160,7 @@ def test_orders_of_a_planetary_stage(held, driven):
     c = make_case(stage(held, driven, braked))
     orders = list_orders(c.library.manifest, c.p, 2)
     assert [(order.name, order.order) for order in orders] == [("gear", pitches), ("2 gear", 2 * pitches)]
-    found = {(side.name, side.order, side.spread) for side in list_sides(c.library.manifest, c.p, "gear")}
+    found = {(side.name, abs(side.order), side.spread) for side in list_sides(c.library.manifest, c.p, "gear")}
     assert {name for name, *_ in found} == {name for name, *_ in sides}
     for name, order, spread in sides:
         known = next(side for side in found if side[0] == name)
@@ -261,7 +261,7 @@ def test_the_force_of_a_crossing_is_what_a_run_shows():
     last = slice(-periods * samples, None)
     wave = np.exp(-1j * TWO_PI * mean * path.time[last]) * 2 / (periods * samples)
     amplitude = abs(wave @ c.quantity("mesh_force", path.x, path.s)["gear.mesh"][last])
-    assert crossing.force == pytest.approx(amplitude, rel=5e-3)
+    assert crossing.force == pytest.approx(amplitude, rel=3e-3)
 
 
 @pytest.mark.parametrize(
@@ -270,9 +270,16 @@ def test_the_force_of_a_crossing_is_what_a_run_shows():
 def test_planets_excite_the_modes_that_their_phases_allow(sun, ring, planet):
     """Parker 2000, J. Sound Vib. 236:561: h Z_S / n whole excites rotational modes only, one off translational ones."""
     raw = stage(driven="carrier", braked="sun", teeth={"sun": sun, "ring": ring, "planet": planet}, rpm=1000)
+    raw["effects"] = {}
+    for mesh in ("sun_planet", "ring_planet"):
+        raw["stages"]["gear"][mesh] |= {"double_factor": 1.3}
     c, found = campbell_of(raw, *np.linspace(10, 6000, 25))
     crossings = find_crossings(found, list_orders(c.library.manifest, c.p, 3))
     assert len(crossings) > 10
+    for crossing in crossings:
+        # Phases of the meshes, and forces while bodies stand still: two routes to whom the planets excite.
+        top = max(other.force for other in crossings if other.order == crossing.order)
+        assert (crossing.sensitivity > 1e-3) == (crossing.force > 1e-4 * top), crossing
     reached = {}
     for crossing in crossings:
         kind = found.mode(found.at_home, crossing.modes[0] - found.first).kind
@@ -291,6 +298,25 @@ def test_planets_excite_the_modes_that_their_phases_allow(sun, ring, planet):
             # the second the other.
             assert max(strengths) > 1
             assert min(strengths) < 1e-6 * max(strengths)
+
+
+@pytest.mark.parametrize("rpm", [700, -700])
+def test_sidebands_reach_the_modes_that_go_round_with_them(rpm):
+    """Planet i stands at theta_i, its ring mesh at Z_R theta_i: beside it, cos(Z_R theta_i) cos(theta_i) is modulated
+    by the carrier's turn, so the upper sideband has (Z_R + 1) / n whole for rotational modes, the lower (Z_R - 1) / n.
+    """
+    raw = stage(driven="carrier", braked="sun", teeth={"sun": 25, "ring": 71, "planet": 23}, rpm=rpm)
+    c, found = campbell_of(raw, *np.linspace(10, 6000, 25))
+    crossings = find_crossings(found, list_orders(c.library.manifest, c.p, 1, sidebands=True))
+    reached = set()
+    for crossing in crossings:
+        kind = found.mode(found.at_home, crossing.modes[0] - found.first).kind
+        if crossing.sensitivity > 1e-3:
+            reached.add((crossing.order.name, kind))
+        assert (crossing.force is None) == bool(crossing.order.side)
+    assert ("gear + carrier", "rotational") in reached
+    assert {kind for name, kind in reached if name == "gear - carrier"} == {"translational"}
+    assert {kind for name, kind in reached if "pass" in name} == {"translational"}
 
 
 def test_without_damping_the_force_is_unbounded():
@@ -333,7 +359,7 @@ def test_a_train_without_a_speed_is_refused():
 
 
 def test_every_mesh_of_a_stage_vibrates_as_its_harmonics_make_it():
-    """Teeth 0.2 % stiffer in double contact: first and second harmonic of all mesh forces, phases too."""
+    """Teeth 0.2 % stiffer in double contact: first and second harmonic of the motion at every mesh, phases too."""
     raw = stage(mean=False, driven="carrier", braked="sun", teeth={"sun": 25, "ring": 71, "planet": 23}, rpm=700)
     for mesh in ("sun_planet", "ring_planet"):
         raw["stages"]["gear"][mesh] |= {"double_factor": 1.002, "damping_ratio": 0.05}
@@ -341,17 +367,17 @@ def test_every_mesh_of_a_stage_vibrates_as_its_harmonics_make_it():
     linear = linearise(c.library, c.p, c.at)
     paths, own, pitch = find_paths(linear), find_harmonics(linear, c.p, 2), 71 * 700 / 60
     slowest = min(abs(mode.eigenvalue.real) for mode in find_modes(linear))
-    periods, samples = 10, 1000
+    periods, samples = 20, 64
     settled = np.ceil(15 / slowest * pitch) / pitch
     path = c.run(t_end=settled + periods / pitch, rate=samples * pitch, method="erk", rtol=1e-10)
     last = slice(-periods * samples - 1, -1)
-    forces = c.quantity("mesh_force", path.x[last], path.s[last])
+    # Deflections have no jumps that samples would blur.
+    motions = c.quantity("mesh_deflection", path.x[last], path.s[last])
     for harmonic in (1, 2):
         omega = TWO_PI * pitch * harmonic
         push = sum(paths[mesh].push * own[mesh][harmonic - 1] for mesh in paths)
         moved = propagate(linear, push, np.array([omega]))[0]
         wave = np.exp(-1j * omega * path.time[last]) * 2 / (periods * samples)
-        largest = max(abs(wave @ force) for force in forces.values())
-        for mesh, force in forces.items():
-            expected = paths[mesh].force @ moved + own[mesh][harmonic - 1]
-            assert abs(expected - wave @ force) < 0.02 * largest, (mesh, harmonic)
+        largest = max(abs(wave @ motion) for motion in motions.values())
+        for mesh, motion in motions.items():
+            assert abs(paths[mesh].deflection @ moved - wave @ motion) < 1e-3 * largest, (mesh, harmonic)
