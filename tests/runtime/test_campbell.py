@@ -10,7 +10,7 @@ from ltcgear.runtime.linear.crossings import find_crossings
 from ltcgear.runtime.linear.excitation import find_harmonics
 from ltcgear.runtime.linear.inputs import find_paths
 from ltcgear.runtime.linear.modes import find_modes
-from ltcgear.runtime.linear.orders import list_orders, list_sides
+from ltcgear.runtime.linear.orders import list_orders, list_sides, phases_of
 from ltcgear.runtime.linear.response import propagate, respond
 from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.linear.tracking import correlate, match, track
@@ -180,6 +180,21 @@ def test_orders_of_pairs_count_through_the_train():
     frequencies_hz = {name: order * 15 / 60 for name, order in orders.items()}
     # Printed: Wu et al. 2021, section 4.
     assert frequencies_hz == pytest.approx({"lsp": 29.5, "hsp": 158.227, "psh": 628.255}, abs=1e-3)
+
+
+def test_a_stage_has_the_same_phases_in_whatever_train_it_turns():
+    """Alone the carrier is the reference; in the rig it turns against the reference, 118/22 times as fast."""
+    alone, rig = case("hsp"), case("rig-2mw")
+    speeds = {"hsp": -1.0, "rig-2mw": 1.0}
+    found = []
+    for name, c in (("hsp", alone), ("rig-2mw", rig)):
+        orders = [o for o in list_orders(c.library.manifest, c.p, 2, sidebands=True) if o.stage == "hsp"]
+        meshes = [f"hsp.{group}.{i}" for group in ("sun_planet", "ring_planet") for i in (1, 2, 3)]
+        found.append([(o.name, phases_of(c.library.manifest, c.p, o, meshes, speeds[name])) for o in orders])
+    assert len(found[0]) == len(found[1]) == 14
+    for (one, first), (two, second) in zip(*found, strict=True):
+        assert one == two
+        assert np.exp(1j * first) == pytest.approx(np.exp(1j * second), abs=1e-9)
 
 
 # --- crossings
@@ -356,6 +371,19 @@ def test_a_train_without_a_speed_is_refused():
 
 
 # --- what stiffness that varies does in a whole stage
+
+
+@pytest.mark.parametrize("rpm", [-900, 900])
+def test_an_error_is_a_force_of_its_own_phase(rpm):
+    """With e = A cos(2 pi tau) and tau 0.15 ahead it is -(k + i omega c) A exp(0.3 pi i), whichever way gears turn."""
+    raw = pair(transmission_error={"amplitudes": ["1e-7 m"]}, phase=0.15, damping="30000 N*s/m")
+    raw["effects"] |= {"transmission_error": "on"}
+    raw["loads"]["drive"]["speed"] = f"{rpm} rpm"
+    c = make_case(raw)
+    omega = TWO_PI * 25 * 900 / 60
+    found = find_harmonics(linearise(c.library, c.p, c.at), c.p, 2)["gear.mesh"]
+    wanted = -(3e8 + 1j * omega * 3e4) * 1e-7 * np.exp(0.3j * np.pi)
+    assert found == pytest.approx(np.array([wanted, 0.0]), abs=1e-6 * abs(wanted))
 
 
 def test_every_mesh_of_a_stage_vibrates_as_its_harmonics_make_it():

@@ -179,6 +179,26 @@ def test_frequencies_show_every_resonance():
         assert abs(f[place] - modes[mode].frequency_hz) < abs(modes[mode].eigenvalue.real) / TWO_PI
 
 
+def test_a_peak_is_named_after_the_mode_that_gives_most_of_it():
+    """What excites, written in right vectors alone (no left ones): the largest part at every peak."""
+    linear = linear_of(case("psh"))
+    modes = find_modes(linear)
+    response = respond(linear, "output", choose_frequencies(modes))
+    shapes = np.array([mode.shape for mode in modes])
+    amounts = np.linalg.solve(np.concatenate([shapes, shapes.conj()]).T, response.push)[: len(modes)]
+    named = set()
+    for column in range(len(response.outputs)):
+        for place, mode in find_peaks(response, column, modes):
+            iw = 1j * TWO_PI * response.frequency[place]
+            parts = [
+                abs(response.rows[column] @ m.shape * a / (iw - m.eigenvalue))
+                for m, a in zip(modes, amounts, strict=True)
+            ]
+            assert mode == int(np.argmax(parts))
+            named.add(mode)
+    assert len(named) > 2
+
+
 @pytest.mark.parametrize("ends", [(0.0, 1.0), (-1.0, 1.0), (2.0, 1.0), (float("nan"), 1.0), (1.0, float("inf"))])
 def test_ends_that_are_no_range_are_refused(ends):
     with pytest.raises(LtcgearError, match="0 < from < to"):
