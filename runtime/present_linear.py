@@ -29,6 +29,8 @@ def campbell(data: Data) -> None:
         )  # fmt: skip
     console = _console()
     console.print(table)
+    if not data["orders"]:
+        console.print("No gear that turns has teeth, so there are no orders; give teeth in place of base_radius.")
     low, high = data["values"][0], data["values"][-1]
     console.print(
         f"{len(data['modes'])} modes from {low:g} to {high:g} {data['unit']}; the scene's own is {data['home']:.5g}."
@@ -50,15 +52,20 @@ def response(data: Data) -> None:
             peak = output["peaks"][0]
             mode = data["modes"][peak["mode"] - 1] if peak["mode"] else {"class": "", "most": ""}
             table.add_row(
-                f"{quantity} {output['item']}", f"{peak['amplitude'] * (1e-6 if micro else 1.0):.4g}",
+                f"{quantity} {output['item']}", _amplitude(peak, 1e-6 if micro else 1.0),
                 output["unit"].split("/")[0], f"{peak['frequency_hz']:.2f}", str(peak["mode"] or ""), mode["class"],
                 mode["most"],
             )  # fmt: skip
     _console().print(table)
 
 
+def _amplitude(peak: Data, scale: float) -> str:
+    """Write how high a peak is."""
+    return "undamped" if peak["amplitude"] is None else f"{scale * peak['amplitude']:.4g}"
+
+
 def _answering(data: Data, quantity: str) -> list[Data]:
     """Return the outputs of a quantity that have the highest peaks; those that hardly answer are left out."""
     told = [output for output in data["outputs"] if output["quantity"] == quantity and output["peaks"]]
-    told.sort(key=lambda output: -output["peaks"][0]["amplitude"])
-    return [o for o in told[:FEW] if o["peaks"][0]["amplitude"] > SLIGHT * told[0]["peaks"][0]["amplitude"]]
+    told.sort(key=lambda output: -max(output["amplitude"]))
+    return [output for output in told[:FEW] if max(output["amplitude"]) > SLIGHT * max(told[0]["amplitude"])]

@@ -78,6 +78,23 @@ def test_tables_name_what_they_show(run, monkeypatch):  # noqa: F811
     assert "1 um of transmission error of psh.mesh" in out
 
 
+def test_what_has_no_end_is_told_so(data, run, monkeypatch):  # noqa: F811
+    found = data("response", "lin-parker-3", "--excite", "gear.sun_planet.1")
+    peaks = [peak for output in found["outputs"] for peak in output["peaks"]]
+    assert peaks
+    assert {peak["amplitude"] for peak in peaks} == {None}
+    monkeypatch.setenv("COLUMNS", "150")
+    _, out, _ = run("response", "lin-parker-3", "--excite", "gear.sun_planet.1")
+    assert "undamped" in out
+
+
+def test_teeth_are_asked_for_where_there_is_no_order(run, data):  # noqa: F811
+    scene = ("campbell", "lin-parker-3", "--speed", "0:100:2", "--set", "loads.sun.member=gear.sun")
+    scene += ("--set", "loads.sun.speed=80 rpm")
+    assert data(*scene)["orders"] == []
+    assert "give teeth" in run(*scene)[1].replace("\n", " ")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -13,7 +13,7 @@ from .campbell import UNITS, Campbell
 from .crossings import Crossing
 from .modes import Mode
 from .orders import Order
-from .response import Response, find_peaks
+from .response import UNDAMPED, Response, find_peaks
 
 Data = dict[str, Any]
 FIGURES = (".png", ".svg", ".pdf")
@@ -78,7 +78,7 @@ def _tell_crossing(crossing: Crossing) -> Data:
 
 
 def tell_response(scene: str, response: Response, modes: Sequence[Mode]) -> Data:
-    """Tell amplitudes, phases and peaks of every output."""
+    """Tell amplitudes, phases and peaks of every output; a peak without damping has no amplitude."""
     return {
         "scene": scene,
         "excited": response.excited,
@@ -98,7 +98,11 @@ def _tell_output(response: Response, column: int, modes: Sequence[Mode]) -> Data
     quantity, item, unit = response.outputs[column]
     values = response.values[:, column]
     peaks = [
-        {"frequency_hz": float(response.frequency[i]), "amplitude": float(abs(values[i])), "mode": mode + 1 or None}
+        {
+            "frequency_hz": float(response.frequency[i]),
+            "amplitude": None if mode >= 0 and abs(modes[mode].damping_ratio) < UNDAMPED else float(abs(values[i])),
+            "mode": mode + 1 or None,
+        }
         for i, mode in find_peaks(response, column, modes)[:PEAKS]
     ]
     return {

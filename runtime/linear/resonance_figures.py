@@ -56,9 +56,9 @@ def draw_campbell(data: Data, path: Path) -> None:
     values = np.array(data["values"])
     for mode in data["modes"]:
         frequency = np.array(mode["frequency_hz"], dtype=np.float64)
-        axes.plot(values, frequency, color=COLOURS[mode["class"]], lw=1.3)
+        axes.plot(values, frequency, color=COLOURS.get(mode["class"], SKY), lw=1.3)
     for kind in dict.fromkeys(mode["class"] for mode in data["modes"]):
-        axes.plot([], [], color=COLOURS[kind], lw=1.3, label=f"{kind} mode")
+        axes.plot([], [], color=COLOURS.get(kind, SKY), lw=1.3, label=f"{kind} mode")
     _draw_orders(axes, data, low, high)
     _mark_crossings(axes, data, low, high)
     name = "speed" if data["axis"] == SPEED else "load"
@@ -228,10 +228,10 @@ def _draw_phases(axes: Axes, data: Data, curves: list[Data]) -> None:
 def _name_peaks(axes: Axes, data: Data, output: Data) -> None:
     """Mark the peaks of the first curve by numbers; the legend names their modes."""
     scale = 1e-6 if data["unit"] == "m" else 1.0
-    top = output["peaks"][0]["amplitude"] if output["peaks"] else 0.0
-    visible = [peak for peak in output["peaks"][:NAMED] if peak["amplitude"] > SHOWN * top]
-    for number, peak in enumerate(visible, start=1):
-        place = (peak["frequency_hz"], scale * peak["amplitude"])
+    heights = np.interp([peak["frequency_hz"] for peak in output["peaks"]], data["frequency_hz"], output["amplitude"])
+    visible = [pair for pair in zip(output["peaks"], heights, strict=True) if pair[1] > SHOWN * heights.max()]
+    for number, (peak, height) in enumerate(visible[:NAMED], start=1):
+        place = (peak["frequency_hz"], scale * height)
         axes.annotate(
             str(number), place, xytext=(0, 3), textcoords="offset points", ha="center", va="bottom", fontsize=8,
             fontweight="bold",

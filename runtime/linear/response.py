@@ -31,6 +31,9 @@ BESIDE = np.array([-8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0
 PROMINENT = 0.1
 """By how much of itself a peak must stand out."""
 
+UNDAMPED = 1e-5
+"""Damping ratio below which a resonance is kept off by so much: without damping it has no end."""
+
 
 @dataclass(frozen=True)
 class Response:
@@ -133,7 +136,7 @@ def choose_frequencies(modes: Sequence[Mode], low: float | None = None, high: fl
         If the ends are no range of frequencies above zero.
     """
     ringing = [(abs(m.eigenvalue.imag) / (2 * np.pi), abs(m.eigenvalue.real) / (2 * np.pi)) for m in modes]
-    ringing = [(f, max(half, 1e-5 * f)) for f, half in ringing if f > 0]
+    ringing = [(f, half) for f, half in ringing if f > 0]
     if low is None:
         low = min((f for f, _ in ringing), default=3.0) / 3
     if high is None:
@@ -141,7 +144,9 @@ def choose_frequencies(modes: Sequence[Mode], low: float | None = None, high: fl
     if not (np.isfinite([low, high]).all() and 0 < low < high):
         raise LtcgearError(f"--from {low:g} --to {high:g}: frequencies in Hz are needed, 0 < from < to")
     base = np.geomspace(low, high, 400)
-    about = [f + half * BESIDE for f, half in ringing]
+    about = [
+        f + half * BESIDE if half > UNDAMPED * f else f * (1 + UNDAMPED * BESIDE[BESIDE != 0]) for f, half in ringing
+    ]
     every = np.unique(np.concatenate([base, *about]))
     return np.asarray(every[(every >= low) & (every <= high)])
 

@@ -199,6 +199,28 @@ def test_a_peak_is_named_after_the_mode_that_gives_most_of_it():
     assert len(named) > 2
 
 
+def test_without_damping_resonances_are_kept_off():
+    linear = linear_of(undamped())
+    modes = find_modes(linear)
+    f = choose_frequencies(modes)
+    own = np.array([mode.frequency_hz for mode in modes if mode.frequency_hz > 0])
+    assert np.abs(f[:, None] / own - 1).min(axis=0) == pytest.approx(2.5e-6, rel=1e-3)
+    response = respond(linear, next(iter(find_paths(linear))), f)
+    assert np.isfinite(response.values).all()
+
+
+def test_a_train_that_is_driven_by_torque_answers_as_a_free_body_at_low_frequency():
+    """Far below all elastic modes a ripple accelerates the whole train: the shaft passes on what is behind it."""
+    raw = {
+        "title": "two rotors",
+        "rotors": {"a": {"inertia": "2 kg*m^2"}, "b": {"inertia": "3 kg*m^2"}},
+        "couplings": {"shaft": {"between": ["a", "b"], "stiffness": "1e6 N*m/rad"}},
+        "loads": {"motor": {"member": "a", "torque": "0 N*m", "initial_speed": "30 rpm"}},
+    }
+    response = respond(linear_of(make_case(raw)), "motor", np.array([0.01, 1.0]))
+    assert abs(response.of("coupling_torque", "shaft")) == pytest.approx([0.6, 0.6], rel=1e-3)
+
+
 @pytest.mark.parametrize("ends", [(0.0, 1.0), (-1.0, 1.0), (2.0, 1.0), (float("nan"), 1.0), (1.0, float("inf"))])
 def test_ends_that_are_no_range_are_refused(ends):
     with pytest.raises(LtcgearError, match="0 < from < to"):
