@@ -69,17 +69,17 @@ def find_crossings(campbell: Campbell, orders: Sequence[Order]) -> list[Crossing
     points = [_Point(campbell, i, harmonics) for i in range(len(campbell.values))]
     # Over speed, deflections change by centrifugal forces alone: the meshes are those at the scene's own speed.
     meshes = points if campbell.axis == LOAD else [points[campbell.at_home]] * len(points)
-    found: dict[tuple[Order, int, int], Crossing] = {}
+    found: dict[tuple[Order, int, int, int], Crossing] = {}
     for column in range(campbell.tracks.shape[1]):
         frequency = campbell.frequencies(column)
         for order in orders:
-            for value, hertz in _meet(campbell, frequency, order):
+            for nth, (value, hertz) in enumerate(_meet(campbell, frequency, order)):
                 point = int(np.abs(np.where(np.isfinite(frequency), campbell.values, np.inf) - value).argmin())
                 mode = campbell.mode(point, column)
                 if mode is None or not mode.eigenvalue.imag:
                     continue
                 margin = value / campbell.home - 1 if campbell.home else float("nan")
-                key, number = (order, point, mode.group), (campbell.number(column),)
+                key, number = (order, point, mode.group, nth), (campbell.number(column),)
                 if key in found:
                     found[key] = replace(found[key], modes=found[key].modes + number)
                     continue
