@@ -25,6 +25,8 @@ SHIFT = 1e-3
 """About which part of the highest frequency the lowest modes are looked for."""
 NULL = 1e-10
 """What is left of the forces on a freedom, over their sizes, up to which they cancel: rounding."""
+ROUGH = 0.05
+"""Relative accuracy with which copies of eigenvalues that were overlooked are looked for."""
 UNBRAKED = 1e-11
 """Part of the highest frequency below which the decay of a rigid motion's speed is rounding."""
 CLOSE = 1e-7
@@ -124,27 +126,38 @@ def _few(matrix: csc_array, rates: csr_array, count: int) -> Found | None:
     try:
         values, right = _about(matrix, shift, wanted, factors.solve)
         others, left = _about(csc_array(matrix.T), shift, wanted, lambda b: factors.solve(b, "T"))
-    except ArpackError:
+        near = splu(csc_array(matrix - CLOSE * top * eye_array(n)))
+        rigid, zeros = _rigid(matrix, rates, near.solve, int((np.abs(values) <= RIGID * top).sum()), top)
+        # What was not found lies farther from the shift than all that was: nothing is missing below this modulus,
+        reach = (1 - 1e-6) * min(np.abs(found - shift).max() for found in (values, others)) - shift
+        inside, within = (np.argsort(np.abs(part))[zeros : (np.abs(part) < reach).sum()] for part in (values, others))
+        if len(inside) != len(within) or rigid.shape[1] + (values[inside].imag >= 0).sum() < count:
+            return None
+        values, right, left = values[inside], right[:, inside], left[:, within].conj()
+        left = left @ np.linalg.inv(left.conj().T @ right).conj().T
+        # unless a copy of a repeated eigenvalue was overlooked: look once more, at what those found leave.
+        rest, _ = _about(matrix, shift, zeros + 2, lambda b: _without(factors.solve(b), right, left), ROUGH)
+    except (ArpackError, RuntimeError, np.linalg.LinAlgError):
         return None
-    near = splu(csc_array(matrix - CLOSE * top * eye_array(n)))
-    rigid, zeros = _rigid(matrix, rates, near.solve, int((np.abs(values) <= RIGID * top).sum()), top)
-    # Whatever was not found lies farther from the shift than all that was, so nothing is missing below this modulus.
-    reach = (1 - 1e-6) * min(np.abs(found - shift).max() for found in (values, others)) - shift
-    inside, within = (
-        np.sort(np.argsort(np.abs(part))[zeros : (np.abs(part) < reach).sum()]) for part in (values, others)
-    )
-    if len(inside) != len(within) or rigid.shape[1] + (values[inside].imag >= 0).sum() < count:
-        return None
-    values, right, left = values[inside], right[:, inside], left[:, within].conj()
-    left = left @ np.linalg.inv(left.conj().T @ right).conj().T
-    return values, right, left, rigid, top
+    return None if np.sort(np.abs(rest))[zeros] < (1 - ROUGH) * reach else (values, right, left, rigid, top)
 
 
-def _about(matrix: csc_array, shift: float, wanted: int, solve: Callable[[Vector], Vector]) -> tuple[Complex, Complex]:
-    """Return the eigenvalues next to a shift, and their vectors; the start is always the same."""
+def _without(vector: Vector, right: Complex, left: Complex) -> Vector:
+    """Take the part along some right vectors from a vector."""
+    return np.asarray(vector - (right @ (left.conj().T @ vector)).real)
+
+
+def _about(
+    matrix: csc_array, shift: float, wanted: int, solve: Callable[[Vector], Vector], tol: float = 0.0
+) -> tuple[Complex, Complex]:
+    """Return the eigenvalues next to a shift, and their vectors; the start is always the same.
+
+    ``solve`` applies the inverse of the shifted matrix.
+    """
     inverse = LinearOperator(matrix.shape, matvec=solve, dtype=np.float64)
     start = np.random.default_rng(0).standard_normal(matrix.shape[0])
-    values, vectors = eigs(matrix, wanted, sigma=shift, OPinv=inverse, v0=start, ncv=min(3 * wanted, matrix.shape[0]))
+    size = min(2 * wanted + 40, matrix.shape[0])
+    values, vectors = eigs(matrix, wanted, sigma=shift, OPinv=inverse, v0=start, ncv=size, tol=tol)
     return np.asarray(values), np.asarray(vectors)
 
 

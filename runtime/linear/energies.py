@@ -4,6 +4,7 @@ import casadi as ca
 import numpy as np
 from ltcgear.generated.contract import BACK, Manifest
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from ..kernel import Kernel
 from .system import Linear
@@ -45,7 +46,7 @@ class Energies:
         place = {name: k for k, name in enumerate(self.elements)}
         self._element_of = np.array([place[_element(manifest, i)] for i in self._reports], dtype=np.int64)
         self._stiffness = [i for i, (_, unit) in enumerate(manifest.parameters) if unit in STIFFNESS_UNITS]
-        self._shares = [_shared_by(self.elements, manifest.parameters[i][0]) for i in self._stiffness]
+        self._owners = _owners(self.elements, [manifest.parameters[i][0] for i in self._stiffness])
         self._kernel = self._make()
 
     def _make(self) -> Kernel:
@@ -80,15 +81,9 @@ class Energies:
             parts, forces = self._kernel(linear.at.x, linear.at.s, linear.p, v)
             total += parts
             squares += np.bincount(self._element_of, forces**2, len(self.elements))
-        return self._divided(total, squares)
-
-    def _divided(self, total: Vector, squares: Vector) -> dict[str, float]:
-        """Divide the energies of stiffnesses among the elements that share them."""
-        energy = dict.fromkeys(self.elements, 0.0)
-        for part, shared in zip(total, self._shares, strict=True):
-            weight = float(sum(squares[k] for k in shared))
-            for k in shared if weight > 0 else ():
-                energy[self.elements[k]] += float(part * squares[k]) / weight
+        weights = self._owners @ squares
+        each = squares * (self._owners.T @ np.divide(total, weights, out=np.zeros_like(total), where=weights > 0))
+        energy = dict(zip(self.elements, each.tolist(), strict=True))
         return dict(sorted(energy.items(), key=lambda item: -item[1]))
 
 
@@ -105,7 +100,12 @@ def family(element: str) -> str:
     return head if head and tail.isdigit() else element
 
 
-def _shared_by(elements: list[str], parameter: str) -> list[int]:
-    """Return the elements that have a stiffness: the one whose name its own begins with, or all equal ones."""
-    own = [k for k, element in enumerate(elements) if parameter.startswith(f"{element}.")]
-    return own or [k for k, element in enumerate(elements) if parameter.startswith(f"{family(element)}.")]
+def _owners(elements: list[str], stiffnesses: list[str]) -> csr_array:
+    """Return which elements have a stiffness, 1 or 0, shape (stiffnesses, elements): all of a family, or one."""
+    places: dict[str, set[int]] = {}
+    for k, element in enumerate(elements):
+        for name in (element, family(element)):
+            places.setdefault(name, set()).add(k)
+    pairs = [(i, k) for i, name in enumerate(stiffnesses) for k in places.get(name.rpartition(".")[0], ())]
+    rows, columns = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    return csr_array((np.ones(len(pairs)), (rows, columns)), shape=(len(stiffnesses), len(elements)))

@@ -24,18 +24,20 @@ def describe_modes(linear: Linear, modes: list[Mode]) -> list[Mode]:
     after what moves most on either side of it when the train is cut there. Planets of a stage count as one, and so
     does a stage that is not itself cut.
     """
-    energies, ends = Energies(linear), _ends(linear)
-    return [_described(linear, energies, ends, mode) for mode in modes]
+    energies, ends = Energies(linear), list_ends(linear)
+    carried = linear.motions.matrix[:, linear.kept[linear.positions]]
+    moved = carried @ np.array([mode.shape[linear.positions] for mode in modes]).T
+    kinetic = linear.motions.mass @ np.abs(moved) ** 2 / 2
+    return [
+        _described(energies, ends, mode, float(energy) * abs(mode.eigenvalue) ** 2)
+        for mode, energy in zip(modes, kinetic, strict=True)
+    ]
 
 
-def _described(linear: Linear, energies: Energies, ends: Mapping[str, list[str]], mode: Mode) -> Mode:
-    """Describe one mode."""
-    if mode.kind == "rigid":
-        return replace(mode, name=_together(mode.members))
-    strain = energies.of_shape(mode.shape)
+def _described(energies: Energies, ends: Mapping[str, list[str]], mode: Mode, kinetic: float) -> Mode:
+    """Describe one mode of some kinetic energy [J]."""
+    strain = {} if mode.kind == "rigid" else energies.of_shape(mode.shape)
     total = sum(strain.values())
-    moved = linear.motions.matrix[:, linear.kept[linear.positions]] @ mode.shape[linear.positions]
-    kinetic = float(linear.motions.mass @ np.abs(moved) ** 2) * abs(mode.eigenvalue) ** 2 / 2
     if total <= STILL * kinetic:
         return replace(mode, name=_together(mode.members))
     shares = {element: energy / total for element, energy in strain.items() if energy != 0}
@@ -87,8 +89,8 @@ def _reached(start: str, cut: str, ends: Mapping[str, list[str]]) -> list[str]:
     return reached
 
 
-def _ends(linear: Linear) -> dict[str, list[str]]:
-    """Return by family of elements what it joins."""
+def list_ends(linear: Linear) -> dict[str, list[str]]:
+    """Return by family of elements the two things it joins."""
     manifest = linear.library.manifest
     found: dict[str, list[str]] = {}
     for report in manifest.reports:
@@ -139,5 +141,6 @@ def sum_by(shares: Mapping[str, float], name: Callable[[str], str]) -> dict[str,
     """Add up shares that get the same name, largest first."""
     found: dict[str, float] = {}
     for key, share in shares.items():
-        found[name(key)] = found.get(name(key), 0.0) + share
+        joint = name(key)
+        found[joint] = found.get(joint, 0.0) + share
     return dict(sorted(found.items(), key=lambda item: -item[1]))
