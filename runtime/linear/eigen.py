@@ -21,7 +21,7 @@ REPEATED = 1e-6
 """Difference of two eigenvalues over their size up to which they are one, repeated."""
 LARGE = 300
 """States from which the lowest modes are looked for by themselves, in place of all."""
-SHIFT = 1e-3
+SHIFT = 1e-4
 """About which part of the highest frequency the lowest modes are looked for."""
 NULL = 1e-10
 """What is left of the forces on a freedom, over their sizes, up to which they cancel: rounding."""
@@ -48,6 +48,8 @@ class Eigen:
         other have columns of their own.
     top
         Largest modulus of an eigenvalue.
+    braked
+        How many rigid motions do not turn on for ever: each has a decay among the eigenvalues.
     """
 
     values: Complex
@@ -56,6 +58,7 @@ class Eigen:
     groups: NDArray[np.int64]
     rigid: Vector
     top: float
+    braked: int
 
 
 def solve_eigen(linear: Linear, count: int | None = None) -> Eigen:
@@ -77,16 +80,18 @@ def solve_eigen(linear: Linear, count: int | None = None) -> Eigen:
     size = linear.scale[linear.kept]
     matrix = csc_array(diags_array(1.0 / size) @ linear.matrix @ diags_array(size))
     rates = csr_array((size[linear.positions] / size[linear.rates], (linear.rates, linear.positions)), matrix.shape)
-    large = count is not None and len(size) > max(LARGE, 8 * count)
-    found = _few(matrix, rates, count or 0) if large else None
-    values, right, left, rigid, top = found or _all(matrix, rates)
+    found = None
+    if count is not None and len(size) > max(LARGE, 8 * count):
+        found = _few(matrix, rates, count, 2 * count + 20) or _few(matrix, rates, count, 4 * count + 20)
+    values, right, left, rigid, top, braked = found or _all(matrix, rates)
     groups = _groups(values)
+    weights = np.sqrt(linear.motions.mass)[:, None] * linear.motions.matrix[:, linear.kept] * size
     for group in range(groups.max(initial=-1) + 1):
         same = np.flatnonzero(groups == group)
-        right[:, same] = _orthogonal(right[:, same])
+        right[:, same] = _orthogonal(right[:, same], weights)
         overlap = left[:, same].conj().T @ right[:, same]
         left[:, same] = left[:, same] @ np.linalg.inv(overlap).conj().T
-    return Eigen(values, right * size[:, None], left / size[:, None], groups, rigid * size[:, None], top)
+    return Eigen(values, right * size[:, None], left / size[:, None], groups, rigid * size[:, None], top, braked)
 
 
 def _check(linear: Linear) -> None:
@@ -101,7 +106,7 @@ def _check(linear: Linear) -> None:
         )
 
 
-Found = tuple[Complex, Complex, Complex, Vector, float]
+Found = tuple[Complex, Complex, Complex, Vector, float, int]
 Solve = Callable[[Vector, str], Vector]
 
 
@@ -114,15 +119,17 @@ def _all(matrix: csc_array, rates: csr_array) -> Found:
     factors = lu_factor(full - CLOSE * top * np.eye(len(full)))
     rigid, zeros = _rigid(matrix, rates, lambda b, form: np.asarray(lu_solve(factors, b, "NT".index(form))), few, top)
     elastic = np.sort(np.argsort(np.abs(values), kind="stable")[zeros:])
-    return values[elastic], right[:, elastic], left[:, elastic], rigid, top
+    return values[elastic], right[:, elastic], left[:, elastic], rigid, top, 2 * rigid.shape[1] - zeros
 
 
-def _few(matrix: csc_array, rates: csr_array, count: int) -> Found | None:
-    """Find the lowest eigenvalues by Arnoldi's method about a small shift (ARPACK); None where that fails."""
+def _few(matrix: csc_array, rates: csr_array, count: int, wanted: int) -> Found | None:
+    """Find the lowest eigenvalues by Arnoldi's method about a small shift (ARPACK); None where that fails.
+
+    ``wanted`` are looked for; where the last of them are crowded, those of ``count`` modes may not be among them.
+    """
     top, n = _top(matrix), matrix.shape[0]
     shift = SHIFT * top
     factors = splu(csc_array(matrix - shift * eye_array(n)))
-    wanted = 2 * count + 20
     try:
         values, right = _about(matrix, shift, wanted, factors.solve)
         others, left = _about(csc_array(matrix.T), shift, wanted, lambda b: factors.solve(b, "T"))
@@ -139,7 +146,11 @@ def _few(matrix: csc_array, rates: csr_array, count: int) -> Found | None:
         rest, _ = _about(matrix, shift, zeros + 2, lambda b: _without(factors.solve(b), right, left), ROUGH)
     except (ArpackError, RuntimeError, np.linalg.LinAlgError):
         return None
-    return None if np.sort(np.abs(rest))[zeros] < (1 - ROUGH) * reach else (values, right, left, rigid, top)
+    return (
+        None
+        if np.sort(np.abs(rest))[zeros] < (1 - ROUGH) * reach
+        else (values, right, left, rigid, top, 2 * rigid.shape[1] - zeros)
+    )
 
 
 def _without(vector: Vector, right: Complex, left: Complex) -> Vector:
@@ -207,10 +218,10 @@ def _groups(values: Complex) -> NDArray[np.int64]:
     return np.asarray(connected_components(near, directed=False)[1], dtype=np.int64)
 
 
-def _orthogonal(vectors: Complex) -> Complex:
-    """Return an orthonormal basis of the vectors of one eigenvalue, or the vectors where they are not independent."""
+def _orthogonal(vectors: Complex, weights: Vector) -> Complex:
+    """Return a basis of the vectors of one eigenvalue whose kinetic energies are apart; itself where it is none."""
     if vectors.shape[1] == 1:
         return vectors
-    basis, triangle = np.linalg.qr(vectors)
+    triangle = np.linalg.qr(weights @ vectors, mode="r")
     diagonal = np.abs(np.diag(triangle))
-    return basis if diagonal.min() > 1e-6 * diagonal.max() else vectors
+    return vectors @ np.linalg.inv(triangle) if diagonal.min() > 1e-6 * diagonal.max() else vectors

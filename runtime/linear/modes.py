@@ -62,11 +62,12 @@ class Mode:
 
 @dataclass(frozen=True)
 class _Found:
-    """What modes are made of: eigenvalues, motions, and how each eigenvector moves them, in columns."""
+    """What modes are made of: eigenvalues, motions, and how eigenvectors and rigid motions move them, in columns."""
 
     eigen: Eigen
     motions: Motions
     moved: Complex
+    rigid: Vector
 
 
 def find_modes(linear: Linear, count: int | None = None) -> list[Mode]:
@@ -81,10 +82,10 @@ def find_modes(linear: Linear, count: int | None = None) -> list[Mode]:
     """
     eigen = solve_eigen(linear, count)
     carried = linear.motions.matrix[:, linear.kept]
-    found = _Found(eigen, linear.motions, carried @ eigen.right)
+    found = _Found(eigen, linear.motions, carried @ eigen.right, carried @ eigen.rigid)
     modes = [_mode(found, k) for k in np.flatnonzero(eigen.values.imag > 0)]
     modes += _real_modes(found, np.flatnonzero(eigen.values.imag == 0))
-    rigid = [_rigid(linear.motions, shape, carried @ shape) for shape in eigen.rigid.T.astype(complex)]
+    rigid = [_rigid(found, k) for k in range(eigen.rigid.shape[1])]
     return _grouped([*rigid, *sorted(modes, key=lambda mode: mode.frequency_hz)])[:count]
 
 
@@ -95,9 +96,10 @@ def _grouped(modes: list[Mode]) -> list[Mode]:
     return [replace(mode, group=number[mode.group], multiplicity=times[mode.group]) for mode in modes]
 
 
-def _rigid(motions: Motions, shape: Complex, moved: Complex) -> Mode:
+def _rigid(found: _Found, k: int) -> Mode:
     """Describe a rigid-body mode."""
-    members = _members(_shape(motions, moved)[1])
+    shape = found.eigen.rigid[:, k].astype(complex)
+    members = _members(_shape(found.motions, found.rigid[:, k].astype(complex))[1])
     return Mode(0.0, 0.0, "rigid", {}, 0j, shape, np.zeros_like(shape), -1, members)
 
 
@@ -105,12 +107,14 @@ def _real_modes(found: _Found, real: NDArray[np.int64]) -> list[Mode]:
     """Describe the real eigenvalues: two that decay in like shapes are one overdamped mode.
 
     Such a pair has omega^2 = l1 l2 and zeta = -(l1 + l2) / 2 omega. One that grows stands alone, as does
-    the one that decays in its shape, and one without a partner.
+    the one that decays in its shape, and one without a partner: a rigid motion that is braked.
     """
     unit = np.sqrt(found.motions.mass)[:, None] * found.moved.real
     unit = unit / np.maximum(np.linalg.norm(unit, axis=0), 1e-300)
-    left = sorted(real.tolist(), key=lambda k: -abs(found.eigen.values[k]))
-    modes = []
+    order = sorted(real.tolist(), key=lambda k: -abs(found.eigen.values[k]))
+    decays = _decays(found, unit, order)
+    left = [k for k in order if k not in decays]
+    modes = [_mode(found, k) for k in decays]
     while left:
         one = left.pop(0)
         two = max(left, key=lambda k: abs(float(unit[:, one] @ unit[:, k])), default=None)
@@ -123,6 +127,14 @@ def _real_modes(found: _Found, real: NDArray[np.int64]) -> list[Mode]:
                 continue
         modes += [_mode(found, k) for k in alone]
     return modes
+
+
+def _decays(found: _Found, unit: Vector, real: list[int]) -> list[int]:
+    """Return the eigenvalues by which rigid motions come to rest: those that are most like rigid motions."""
+    rigid = np.sqrt(found.motions.mass)[:, None] * found.rigid
+    part = np.linalg.norm(np.linalg.qr(rigid)[0].T @ unit, axis=0)
+    alike = [k for k in sorted(real, key=lambda k: -part[k]) if part[k] > 0.5 and found.eigen.values[k].real < 0]
+    return alike[: found.eigen.braked]
 
 
 def _overdamped(found: _Found, one: int, two: int) -> Mode:

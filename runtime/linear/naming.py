@@ -7,7 +7,7 @@ import numpy as np
 from ltcgear.generated.contract import Manifest
 
 from .energies import Energies, family
-from .modes import Mode
+from .modes import SHARE, Mode
 from .system import Linear
 
 HOUSING = "housing"
@@ -46,7 +46,7 @@ def _described(energies: Energies, ends: Mapping[str, list[str]], mode: Mode, ki
 
 def _together(members: Mapping[str, float]) -> str:
     """Name a motion in which nothing is strained."""
-    names = list(sum_by(members, label))
+    names = [name for name, share in sum_by(members, label).items() if share > SHARE]
     rest = f" and {len(names) - 3} more" if len(names) > 3 else ""
     return f"{', '.join(names[:3])}{rest} as one" if len(names) > 1 else f"{names[0]} free" if names else "free motion"
 

@@ -66,7 +66,8 @@ def draw_shapes(linear: Linear, modes: list[Mode], numbers: list[int], title: st
 def caption(number: int, mode: Mode) -> str:
     """Return number, frequency, damping, class and name of a mode."""
     alike = f", {mode.multiplicity} alike" if mode.multiplicity > 1 else ""
-    return f"{number}: {mode.frequency_hz:.2f} Hz, damping {mode.damping_ratio:.1%}, {mode.kind}{alike}\n{mode.name}"
+    damping = f"{round(mode.damping_ratio, 4) + 0.0:.2%}"
+    return f"{number}: {mode.frequency_hz:.2f} Hz, damping {damping}, {mode.kind}{alike}\n{mode.name}"
 
 
 def _draw(axes: Axes, sheet: Sheet, motions: dict[str, Motion]) -> None:
