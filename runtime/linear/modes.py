@@ -83,7 +83,7 @@ def find_modes(linear: Linear, count: int | None = None) -> list[Mode]:
     eigen = solve_eigen(linear, count)
     carried = linear.motions.matrix[:, linear.kept]
     found = _Found(eigen, linear.motions, carried @ eigen.right, carried @ eigen.rigid)
-    modes = [_mode(found, k) for k in np.flatnonzero(eigen.values.imag > 0)]
+    modes = [_mode(found, k) for k in np.flatnonzero(eigen.values.imag > 0).tolist()]
     modes += _real_modes(found, np.flatnonzero(eigen.values.imag == 0))
     rigid = [_rigid(found, k) for k in range(eigen.rigid.shape[1])]
     return _grouped([*rigid, *sorted(modes, key=lambda mode: mode.frequency_hz)])[:count]
