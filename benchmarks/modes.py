@@ -38,6 +38,9 @@ DRAWN = [1, 2, 3, 5, 10, 35]
 NEAR = 0.01
 """Relative distance at which a printed line counts as a harmonic or sideband: measured speeds are not exact."""
 
+HIGHEST = 5
+"""Highest order that counts: those of the slowest mesh would explain every line within ``NEAR``."""
+
 
 def long_train(stages: int, planets: int) -> Scene:
     """Put planetary stages in a row, of which every other one is turned round, so that no shaft turns fast.
@@ -104,6 +107,8 @@ def lines(scene: Scene) -> dict[float, tuple[str, list[str]]]:
         for key in ("measured", "simulated"):
             for value in row.get(key, []):
                 name = name_line(value, meshes, NEAR * value, turns)
+                if any(int(word) > HIGHEST for word in name.split() if word.isdigit()):
+                    name = ""
                 place = f"{key}, {row[f'{key}_position']}" if f"{key}_position" in row else key
                 found.setdefault(float(value), (name, []))[1].append(place)
     return dict(sorted(found.items()))
@@ -116,7 +121,8 @@ def line_table(scene: Scene, modes: list[Mode]) -> str:
         if not name:
             mode = min(modes, key=lambda mode: abs(mode.frequency_hz - value))
             off = mode.frequency_hz / value - 1
-            text += f"| {value:g} | {'; '.join(places)} | {mode.frequency_hz:.1f} | {off:+.1%} | {mode.kind} | {mode.name} |\n"
+            next_to = f"{mode.frequency_hz:.1f} | {off:+.1%} | {mode.kind} | {mode.name}"
+            text += f"| {value:g} | {'; '.join(places)} | {next_to} |\n"
     return text
 
 
@@ -170,7 +176,8 @@ def time_table(data: dict[str, Any]) -> str:
     for name, case in data["cases"].items():
         title = case["title"] if name == "long" else name
         cells = " | ".join(f"{case['seconds'][key]:.3f}" for key in names)
-        text += f"| {title} | {case['members']} | {case['freedoms']} | {case['count'] or 'all'} | {cells} | {case['total']:.2f} |\n"
+        sizes = f"{case['members']} | {case['freedoms']} | {case['count'] or 'all'}"
+        text += f"| {title} | {sizes} | {cells} | {case['total']:.2f} |\n"
     return text
 
 
