@@ -11,6 +11,7 @@ from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.linear.campbell import sweep_speed
 from ltcgear.runtime.linear.crossings import find_crossings
 from ltcgear.runtime.linear.modes import find_modes
+from ltcgear.runtime.linear.naming import describe_modes
 from ltcgear.runtime.linear.orders import list_orders
 from ltcgear.runtime.linear.resonance import tell_campbell, tell_response
 from ltcgear.runtime.linear.resonance_figures import draw_campbell, draw_response
@@ -26,7 +27,7 @@ BEGIN, END = "<!-- resonance -->\n", "<!-- end -->\n"
 SCENE, EXCITED, HARMONICS = "rig-2mw", "hsp.sun_planet.1", 3
 NEAR = 0.3
 """Crossings up to this part of the speed beside it are listed."""
-ROWS = 12
+ROWS = 7
 HEAD = (
     "| crossing | rpm | Hz | speed margin | mode | mesh force per um [kN] | mesh force by its own stiffness [kN] |\n"
     "|---|---|---|---|---|---|---|\n"
@@ -52,7 +53,7 @@ def response() -> dict[str, Any]:
     """Let an error of one mesh excite the rig."""
     library, p = built()
     linear = linearise(library, p, find_equilibrium(library, p))
-    modes = find_modes(linear)
+    modes = describe_modes(linear, find_modes(linear))
     return tell_response(SCENE, respond(linear, EXCITED, choose_frequencies(modes, 10.0)), modes)
 
 
@@ -62,7 +63,7 @@ def table(data: dict[str, Any]) -> str:
     near = [item for item in data["crossings"] if abs(item["margin"]) <= NEAR and item["force"]]
     return HEAD + "".join(
         f"| {item['crossing']} | {item['at']:.2f} | {item['frequency_hz']:.1f} | {item['margin']:+.1%} | "
-        f"{modes[item['modes'][0]]['class']}, {modes[item['modes'][0]]['most']} | {item['force_per_um'] / 1e3:.2f} | "
+        f"{modes[item['modes'][0]]['class']}, {modes[item['modes'][0]]['name']} | {item['force_per_um'] / 1e3:.2f} | "
         f"{item['force'] / 1e3:.2f} |\n"
         for item in near[:ROWS]
     )

@@ -19,6 +19,7 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from .choice import Choice
+from .integration import check_length
 from .library import Library
 from .reading import no_rows
 from .results import make_dataset
@@ -28,7 +29,6 @@ from .simulation import (
     DEFAULT_RTOL,
     Result,
     Run,
-    check_length,
     check_options,
     check_size,
     list_settings,

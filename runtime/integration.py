@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from ltcgear.generated.errors import SolverError
+from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
 from .brake import Brake
@@ -70,6 +70,12 @@ class Trajectory(Outcome, Block):
     """An integration with all its samples."""
 
 
+def check_length(samples: float) -> None:
+    """Refuse a run of less than one sample."""
+    if round(samples) < 1:
+        raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
+
+
 class Integration:
     """An integration on its way, which hands its samples on.
 
@@ -90,6 +96,8 @@ class Integration:
     ------
     SolverError
         If the method cannot be set up.
+    LtcgearError
+        If the run is shorter than one sample.
     """
 
     def __init__(
@@ -99,6 +107,7 @@ class Integration:
         clock = perf_counter()
         if method in EXPLICIT:
             check_explicit(library, at, p, method, t_end)
+        check_length(t_end * rate)
         last = round(t_end * rate)
         self.signals = Signals(library.manifest.signals, tables or {})
         self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})"

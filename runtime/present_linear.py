@@ -1,71 +1,50 @@
-"""What commands about small motions print for people."""
+"""What the commands of small motions print for people."""
 
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.markup import escape
+from rich.table import Table
 
-from .present import Data, _console, _table
+from .linear.naming import label, sum_by
 
-SHOWN = 20
-"""Crossings that are printed; all are in the files."""
-FEW = 5
-"""Outputs of a quantity whose peaks are printed."""
-SLIGHT = 1e-6
-"""Share of the highest peak of a quantity below which one is not printed."""
+Data = dict[str, Any]
+MOST = 2
+"""Members that are told of each mode."""
 
 
-def campbell(data: Data) -> None:
-    """Print the crossings that excite most."""
-    name, unit = ("speed", "rpm") if data["axis"] == "speed" else ("load", "load")
-    found = data["crossings"]
-    table = _table(
-        f"Orders that meet eigenfrequencies over {name}, {min(SHOWN, len(found))} of {len(found)}", "crossing",
-        f">{unit}", ">Hz", ">margin", ">N per um", ">N", "class", "most moved",
-    )  # fmt: skip
-    modes = {mode["mode"]: mode for mode in data["modes"]}
-    for item in found[:SHOWN]:
-        mode = modes[item["modes"][0]]
-        table.add_row(
-            escape(item["crossing"]), f"{item['at']:.4g}", f"{item['frequency_hz']:.1f}", f"{item['margin']:+.0%}",
-            _number(item["force_per_um"], "undamped"), _number(item["force"], "-"), mode["class"], mode["most"],
-        )  # fmt: skip
-    console = _console()
+def modes(data: Data) -> None:
+    """Print eigenfrequencies and what moves; planets of a stage together. JSON and CSV tell the shares of all."""
+    title = f"Eigenfrequencies at the loaded equilibrium, meshes {data['meshes']}"
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    for heading in ("", "Hz", "damping"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for heading in ("class", "what it is", "kinetic energy"):
+        table.add_column(heading, overflow="fold")
+    for k, item in enumerate(data["modes"], start=1):
+        table.add_row(*_row(k, item))
+    console = Console(highlight=False)
     console.print(table)
-    if not data["orders"]:
-        console.print("No gear that turns has teeth, so there are no orders; give teeth in place of base_radius.")
-    low, high = data["values"][0], data["values"][-1]
-    console.print(
-        f"{len(data['modes'])} modes from {low:g} to {high:g} {data['unit']}; the scene's own is {data['home']:.5g}."
+    if data["lowest"] and len(data["modes"]) < data["freedoms"]:
+        console.print(f"the lowest {len(data['modes'])} of {data['freedoms']} freedoms' modes; --count N lists more")
+    for file in data.get("files", []):
+        print(f"wrote {file}")
+
+
+def _row(k: int, item: Data) -> tuple[str, ...]:
+    """Return the cells of one mode."""
+    return (
+        str(k),
+        f"{item['frequency_hz']:.2f}",
+        f"{round(item['damping_ratio'], 4) + 0.0:.2%}",
+        item["class"] + (f" x{item['multiplicity']}" if item["multiplicity"] > 1 else ""),
+        escape(item["name"]),
+        escape(_largest(sum_by(item["members"], label))),
     )
 
 
-def _number(value: float | None, otherwise: str) -> str:
-    """Write a number, or what stands for none."""
-    return otherwise if value is None else f"{value:.0f}" if value >= 100 or value == 0 else f"{value:.3g}"
-
-
-def response(data: Data) -> None:
-    """Print the highest peaks of the outputs that answer most."""
-    micro = data["unit"] == "m"
-    what = f"1 um of transmission error of {data['excited']}" if micro else f"1 N*m of ripple of {data['excited']}"
-    table = _table(f"Highest peaks of the response to {what}", "output", ">peak", "", ">Hz", ">mode", "class", "moved")
-    for quantity in dict.fromkeys(output["quantity"] for output in data["outputs"]):
-        for output in _answering(data, quantity):
-            peak = output["peaks"][0]
-            mode = data["modes"][peak["mode"] - 1] if peak["mode"] else {"class": "", "most": ""}
-            table.add_row(
-                f"{quantity} {output['item']}", _amplitude(peak, 1e-6 if micro else 1.0),
-                output["unit"].split("/")[0], f"{peak['frequency_hz']:.2f}", str(peak["mode"] or ""), mode["class"],
-                mode["most"],
-            )  # fmt: skip
-    _console().print(table)
-
-
-def _amplitude(peak: Data, scale: float) -> str:
-    """Write how high a peak is."""
-    return "undamped" if peak["amplitude"] is None else f"{scale * peak['amplitude']:.4g}"
-
-
-def _answering(data: Data, quantity: str) -> list[Data]:
-    """Return the outputs of a quantity that have the highest peaks; those that hardly answer are left out."""
-    told = [output for output in data["outputs"] if output["quantity"] == quantity and output["peaks"]]
-    told.sort(key=lambda output: -max(output["amplitude"]))
-    return [output for output in told[:FEW] if max(output["amplitude"]) > SLIGHT * max(told[0]["amplitude"])]
+def _largest(shares: dict[str, float]) -> str:
+    """Write the largest shares."""
+    some = [(name, share) for name, share in shares.items() if share > 0.005]
+    return ", ".join(f"{name} {share:.0%}" for name, share in some[:MOST])

@@ -13,7 +13,7 @@ from .checkpoint import checkpoint_of, describe_run, read_checkpoint, write_chec
 from .choice import Choice, choose
 from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .extremes import MeshExtremes
-from .integration import Integration, Outcome
+from .integration import Integration, Outcome, check_length
 from .library import Library
 from .march import Snapshot
 from .part import Part, part_of
@@ -25,7 +25,6 @@ from .simulation import (
     AUTO,
     DEFAULT_METHOD,
     DEFAULT_RTOL,
-    check_length,
     check_options,
     list_settings,
     summarise,

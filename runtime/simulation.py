@@ -14,7 +14,7 @@ from ltcgear.generated.errors import LtcgearError
 from .accuracy import estimate_accuracy
 from .choice import Choice, choose
 from .equilibrium import Equilibrium, Vector, find_equilibrium
-from .integration import Integration, Outcome
+from .integration import Integration, Outcome, check_length
 from .kernel import Kernel
 from .library import Library
 from .reading import Reader, Rows, by_quantity, join_rows
@@ -43,12 +43,6 @@ def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
         raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
         raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds, greater than zero and below 1e7")
-
-
-def check_length(samples: float) -> None:
-    """Refuse a run of less than one sample."""
-    if round(samples) < 1:
-        raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
 
 
 def check_size(library: Library, samples: float) -> None:

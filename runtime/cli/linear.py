@@ -1,121 +1,116 @@
-"""Commands about small motions: campbell, response."""
+"""Commands of small motions about the loaded equilibrium: modes."""
 
-import json
-from collections.abc import Callable
+from math import isfinite
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from ltcgear.generated.errors import LtcgearError
 
-from .. import present, present_linear
+from .. import present
 from ..options import AsJson, Changes, SceneName
-from ..progress import progress
+from ..results import check_target
 from .app import app
-from .opening import compile_model, open_scene
+from .opening import Opened, compile_model, open_scene
 
-NumbersFile = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="Figure (.png, .svg, .pdf) or numbers (.csv, .json).", show_default="none"),
-]
-SpeedRange = Annotated[
-    str | None,
-    typer.Option(
-        "--speed", metavar="FIRST:LAST:NUMBER", help="Speeds of the reference [rpm].",
-        show_default="0 to 1.5 times the scene's, 61",
-    ),
+if TYPE_CHECKING:
+    from ..linear.system import Linear
+
+Turn = Annotated[
+    float | None,
+    typer.Option("--turn", help="Hold the meshes as they stand after so many turns of the reference.",
+                 show_default="means over the mesh phase"),
 ]  # fmt: skip
-LoadRange = Annotated[
-    str | None,
-    typer.Option("--load", metavar="FIRST:LAST:NUMBER", help="Factors of all torques.", show_default="none"),
+Count = Annotated[
+    int | None,
+    typer.Option("--count", metavar="N", help="How many of the lowest modes.", show_default="all; 40 of large trains"),
 ]
-Harmonics = Annotated[int, typer.Option("--harmonics", min=1, max=20, help="Harmonics of each mesh frequency.")]
-Sidebands = Annotated[
-    bool, typer.Option("--sidebands", help="Orders beside them too, at a carrier's turns and planets' passes.")
+Drawn = Annotated[
+    list[int] | None,
+    typer.Option("--mode", metavar="K", help="A mode to draw, by its number.", show_default="the first 6; .html all"),
 ]
-Excited = Annotated[
-    str, typer.Option("--excite", metavar="MESH|LOAD", help="A mesh, by its transmission error, or a load's torque.")
-]
-From = Annotated[float | None, typer.Option("--from", help="Lowest frequency [Hz].", show_default="from the modes")]
-To = Annotated[float | None, typer.Option("--to", help="Highest frequency [Hz].", show_default="from the modes")]
+ModesFile = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", show_default="none",
+                 help="Table (.csv, .json), mode shapes (.png, .svg, .pdf), or moving ones (.html)."),
+]  # fmt: skip
+LISTS, PICTURES, PAGE = (".csv", ".json"), (".png", ".svg", ".pdf"), ".html"
+MANY = 150
+"""Freedoms above which only the lowest ``FEW`` modes are listed unless ``--count`` asks for more."""
+FEW = 40
 
 
 @app.command()
-def campbell(
-    scene: SceneName, speed: SpeedRange = None, load: LoadRange = None, harmonics: Harmonics = 3,
-    sidebands: Sidebands = False, output: NumbersFile = None, changes: Changes = None, as_json: AsJson = False,
-) -> None:  # fmt: skip
-    """Follow eigenfrequencies over speed or load, and find where orders of the meshes meet them."""
-    from ..linear.campbell import read_range, sweep_load, sweep_speed
-    from ..linear.crossings import find_crossings
-    from ..linear.orders import list_orders
-    from ..linear.resonance import tell_campbell, write_campbell
-    from ..linear.resonance_figures import draw_campbell
-
-    if speed is not None and load is not None:
-        raise LtcgearError("campbell: both --speed and --load were given; give one of them")
-    values = read_range(speed, "--speed") if speed is not None else None
-    factors = read_range(load, "--load") if load is not None else None
-    _check_output(output)
-    opened = open_scene(scene, changes)
-    library = compile_model(opened)
-    p, tables = library.parameters(opened.model.values()), opened.model.tables
-    with progress(f"linearise {opened.scene.name}", 100, "points") as told:
-        if factors is None:
-            found = sweep_speed(library, p, values, tables=tables, told=told)
-        else:
-            found = sweep_load(library, p, factors, tables=tables, told=told)
-    orders = list_orders(library.manifest, p, harmonics, sidebands)
-    data = tell_campbell(opened.scene.name, found, orders, find_crossings(found, orders))
-    present.show(as_json, data, present_linear.campbell)
-    _write(output, data, as_json, write_campbell, draw_campbell)
-
-
-@app.command()
-def response(
-    scene: SceneName, excite: Excited, lowest: From = None, highest: To = None, output: NumbersFile = None,
+def modes(
+    scene: SceneName, turn: Turn = None, count: Count = None, mode: Drawn = None, output: ModesFile = None,
     changes: Changes = None, as_json: AsJson = False,
 ) -> None:  # fmt: skip
-    """Compute how forces answer to a sinusoidal error of a mesh [m], or to a ripple of a torque [N m]."""
-    from ..equilibrium import find_equilibrium
+    """List eigenfrequencies, damping and mode shapes at the loaded equilibrium; with -o, write or draw them."""
+    from ..linear.listing import list_modes
     from ..linear.modes import find_modes
-    from ..linear.resonance import tell_response, write_response
-    from ..linear.resonance_figures import draw_response
-    from ..linear.response import choose_frequencies, respond
+    from ..linear.naming import describe_modes
+    from ..present_linear import modes as for_people
+
+    _check(turn, count, mode, output)
+    opened = open_scene(scene, changes)
+    linear = open_linear(opened, turn)
+    freedoms = len(linear.positions)
+    wanted = FEW if count is None and freedoms > MANY else count
+    found = describe_modes(linear, find_modes(linear, wanted))
+    meshes = "at their mean stiffness" if turn is None else f"as they stand after {turn:g} turns"
+    data: dict[str, Any] = {
+        "scene": opened.scene.name, "turn": turn, "meshes": meshes, "freedoms": freedoms,
+        "lowest": wanted is not None, "modes": list_modes(found),
+    }  # fmt: skip
+    if output is not None:
+        data["files"] = [str(_write(linear, found, mode, data | {"title": opened.scene.title}, output))]
+    present.show(as_json, data, for_people)
+
+
+def open_linear(opened: Opened, turn: float | None = None) -> "Linear":
+    """Compile a scene's model, find its equilibrium and linearise it there."""
+    from ..equilibrium import find_equilibrium
     from ..linear.system import linearise
 
-    _check_output(output)
-    opened = open_scene(scene, changes)
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
-    linear = linearise(library, p, find_equilibrium(library, p, tables=opened.model.tables))
-    modes = find_modes(linear)
-    found = respond(linear, excite, choose_frequencies(modes, lowest, highest))
-    data = tell_response(opened.scene.name, found, modes)
-    present.show(as_json, data, present_linear.response)
-    _write(output, data, as_json, write_response, draw_response)
+    return linearise(library, p, find_equilibrium(library, p, tables=opened.model.tables), turn)
 
 
-def _check_output(path: Path | None) -> None:
-    """Refuse a file that cannot be written, before anything is computed."""
-    from ..linear.resonance import check_suffix
-    from ..results import check_target
-
-    if path is not None:
-        check_suffix(path)
-        check_target(path)
-
-
-def _write(
-    path: Path | None, data: dict[str, Any], as_json: bool,
-    write: Callable[[dict[str, Any], Path], None], draw: Callable[[dict[str, Any], Path], None],
-) -> None:  # fmt: skip
-    """Write what is asked for, and say so."""
-    if path is None:
+def _check(turn: float | None, count: int | None, chosen: list[int] | None, output: Path | None) -> None:
+    """Refuse options that cannot be served, before anything is computed."""
+    if turn is not None and not isfinite(turn):
+        raise LtcgearError(f"--turn {turn}: not a finite number of turns; give one, for example 0.25")
+    if count is not None and count < 1:
+        raise LtcgearError(f"--count {count}: at least one mode is listed; give 1 or more, or leave --count out")
+    if chosen and (output is None or output.suffix not in (*PICTURES, PAGE)):
+        raise LtcgearError(
+            "--mode: says which modes are drawn; give a picture to draw them in, for example -o modes.png"
+        )
+    if chosen and min(chosen) < 1:
+        raise LtcgearError(f"--mode {min(chosen)}: modes are numbered from 1, as `ltcgear modes` lists them")
+    if output is None:
         return
-    if path.suffix == ".json":
-        path.write_text(json.dumps(data) + "\n", encoding="utf-8")
-    else:
-        (write if path.suffix == ".csv" else draw)(data, path)
-    if not as_json:
-        print(f"wrote {path}")
+    if output.suffix not in (*LISTS, *PICTURES, PAGE):
+        known = ", ".join((*LISTS, *PICTURES, PAGE))
+        raise LtcgearError(f"{output}: modes are written as {known}; name it {output.with_suffix('.csv')}")
+    check_target(output)
+
+
+def _write(linear: "Linear", found: list[Any], chosen: list[int] | None, data: dict[str, Any], path: Path) -> Path:
+    """Write a table or draw mode shapes, by the suffix."""
+    from ..linear.listing import write_modes
+
+    if path.suffix in LISTS:
+        return write_modes(data, path)
+    if chosen and max(chosen) > len(found):
+        raise LtcgearError(
+            f"--mode {max(chosen)}: there are {len(found)} modes; give a number up to that, or --count more"
+        )
+    from ..linear.shape_figure import draw_shapes
+    from ..linear.shape_page import write_page
+
+    if path.suffix == PAGE:
+        numbers = sorted(set(chosen or range(1, len(found) + 1)))
+        return write_page(linear, found, numbers, data["title"], path)
+    return draw_shapes(linear, found, chosen or list(range(1, min(6, len(found)) + 1)), data["title"], path)

@@ -12,6 +12,7 @@ from ltcgear.generated.errors import LtcgearError
 from .campbell import UNITS, Campbell
 from .crossings import Crossing
 from .modes import Mode
+from .naming import describe_modes
 from .orders import Order
 from .response import UNDAMPED, Response, find_peaks
 
@@ -47,19 +48,15 @@ def tell_campbell(scene: str, campbell: Campbell, orders: Sequence[Order], cross
 def _tell_track(campbell: Campbell, column: int) -> Data:
     """Tell a followed mode."""
     found = [campbell.mode(i, column) for i in range(len(campbell.values))]
-    known = campbell.mode(campbell.at_home, column) or next(mode for mode in found if mode is not None)
+    point = campbell.at_home if found[campbell.at_home] else next(i for i, mode in enumerate(found) if mode)
+    (known,) = describe_modes(campbell.linears[point], [mode for mode in found[point : point + 1] if mode])
     return {
         "mode": campbell.number(column),
         "class": known.kind,
-        "most": most_moved(known),
+        "name": known.name,
         "frequency_hz": [None if mode is None else mode.frequency_hz for mode in found],
         "damping_ratio": [None if mode is None else mode.damping_ratio for mode in found],
     }
-
-
-def most_moved(mode: Mode) -> str:
-    """Return the motion that has most of a mode's kinetic energy."""
-    return next(iter(mode.energy), "")
 
 
 def _tell_crossing(crossing: Crossing) -> Data:
@@ -86,7 +83,7 @@ def tell_response(scene: str, response: Response, modes: Sequence[Mode]) -> Data
         "frequency_hz": response.frequency.tolist(),
         "modes": [
             {"mode": k, "frequency_hz": m.frequency_hz, "damping_ratio": m.damping_ratio, "class": m.kind,
-             "most": most_moved(m)}
+             "name": m.name}
             for k, m in enumerate(modes, start=1)
         ],
         "outputs": [_tell_output(response, column, modes) for column in range(len(response.outputs))],

@@ -287,6 +287,11 @@ def test_an_unknown_method_is_refused():
         case("psh").run(method="euler")
 
 
+def test_a_run_shorter_than_a_sample_is_refused():
+    with pytest.raises(LtcgearError, match="shorter than one sample"):
+        case("lin-parker-3").run(t_end=1e-9)
+
+
 def test_progress_is_told():
     told = []
     case("psh").run(method="erk", rtol=1e-6, told=told.append)
