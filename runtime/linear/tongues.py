@@ -1,0 +1,154 @@
+"""Tongues: where the stiffness' variation makes two modes grow, to first order.
+
+With z = sum of c_k r_k and A(t) = A_0 + v sum of A_n exp(i n Omega t), two modes a, b whose eigenvalues differ by about
+i n Omega see of each other
+
+    c_a' = l_a c_a + v X exp(i n Omega t) c_b,   c_b' = l_b c_b + v Y exp(-i n Omega t) c_a,
+
+X = left_a^H A_n right_b and Y = left_b^H A_-n right_a, all others but small ripple. With the decays d_a, d_b and the
+detuning D = n Omega - Im(l_a - l_b) the amplitudes grow where
+
+    v^2 X Y > d_a d_b (1 + D^2 / (d_a + d_b)^2),
+
+which is |D| < 2 v sqrt(X Y) without damping. For l_b = -i omega_j it is the boundary of Lin and Parker (2002, J. Sound
+Vib. 249:129) for omega_i + omega_j = n Omega, and of Nayfeh and Mook (1979, Nonlinear Oscillations, chapter 5) with
+damping. Of repeated modes the pair that couples most counts.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .periodic import Periodic
+from .resonance_names import Oscillation, Resonance, combine, list_oscillations
+
+Vector = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+FINE = 64
+"""Steps in a pitch by which the harmonics of A are summed where it varies between jumps too."""
+FAINT = 1e-4
+"""Coupling sqrt(X Y) over the modes' mean frequency below which there is no tongue."""
+MOST_ORDERS = 200
+
+
+@dataclass(frozen=True)
+class Tongue:
+    """A region in which two modes grow, by first-order theory.
+
+    Attributes
+    ----------
+    resonance
+        What combines.
+    speed
+        Speed of the reference [rad/s] in its middle.
+    base
+        Omega at that speed [rad/s].
+    coupling
+        sqrt(X Y) [1/s], for the variation 1.
+    decays
+        d_a, d_b [1/s].
+    """
+
+    resonance: Resonance
+    speed: float
+    base: float
+    coupling: float
+    decays: tuple[float, float]
+
+    @property
+    def least(self) -> float:
+        """Return the smallest variation at which it grows."""
+        return float(np.sqrt(max(self.decays[0], 0.0) * max(self.decays[1], 0.0)) / self.coupling)
+
+    def half_width(self, variation: Vector) -> Vector:
+        """Return how far from its middle the speed may lie [rad/s] for the motion to grow; nan where it does not."""
+        one, two = (max(decay, 0.0) for decay in self.decays)
+        drive = (np.asarray(variation) * self.coupling) ** 2
+        if one * two > 0:
+            square = (one + two) ** 2 * (drive / (one * two) - 1)
+        else:
+            square = 4 * drive
+        detuning = np.sqrt(np.where(square >= 0, square, np.nan))
+        return np.asarray(detuning / self.resonance.order / self.base * abs(self.speed))
+
+
+def find_tongues(periodic: Periodic, speed: float, low: float, high: float) -> list[Tongue]:
+    """Find the tongues whose middles lie between two speeds, the widest first.
+
+    Parameters
+    ----------
+    periodic
+        The system.
+    speed
+        Speed of its reference [rad/s].
+    low, high
+        Sizes of speeds [rad/s]; eigenfrequencies are those at ``speed``.
+    """
+    parts = list_oscillations(periodic)
+    base = 2 * np.pi / periodic.period
+    fastest = max((abs(part.value.imag) for part in parts), default=0.0)
+    orders = range(1, min(int(2 * fastest / (base * low / abs(speed))), MOST_ORDERS) + 1)
+    found: dict[tuple[tuple[int, int], int], Tongue] = {}
+    if not parts:
+        return []
+    left, right = (np.array([getattr(part, side) for part in parts]).T for side in ("left", "right"))
+    for n, harmonic in zip(orders, harmonics(periodic, len(orders)), strict=True):
+        up, down = (left.conj().T @ each @ right for each in (harmonic, harmonic.conj()))
+        for one, two in _pairs(parts):
+            tongue = _tongue(parts, (one, two), n, (up, down), base, speed)
+            if tongue is not None and low <= abs(tongue.speed) < high:
+                found.setdefault((tongue.resonance.modes, n), tongue)
+    return sorted(found.values(), key=lambda tongue: -float(tongue.coupling / tongue.resonance.order / tongue.base))
+
+
+def harmonics(periodic: Periodic, count: int) -> Complex:
+    """Return A_1, A_2, ... [1/s], each step between jumps by its mean, shape (count, n, n)."""
+    pitches = max(abs(n) for n in periodic.cycles.values())
+    steps = max(FINE * pitches, 4 * count)
+    starts, _ = periodic.steps(steps)
+    n, done = np.arange(1, count + 1), 0
+    total = np.zeros((count, *periodic.linear.matrix.shape), dtype=np.complex128)
+    for lengths, one, two in periodic.samples(steps):
+        start = starts[done : done + len(lengths)]
+        ends = np.exp(-2j * np.pi * np.outer(n, start)), np.exp(-2j * np.pi * np.outer(n, start + lengths))
+        weight = (ends[0] - ends[1]) / (2j * np.pi * n)[:, None]
+        total += np.tensordot(weight, (one + two) / 2, 1)
+        done += len(lengths)
+    return total
+
+
+def _pairs(parts: list[Oscillation]) -> list[tuple[int, int]]:
+    """Return one pair of eigenvalues for each two groups of equal ones, the faster rotation first."""
+    groups: dict[tuple[int, bool], int] = {}
+    for k, part in enumerate(parts):
+        groups.setdefault((part.group, part.value.imag > 0), k)
+    first = list(groups.values())
+    return [(a, b) for a in first for b in first if parts[a].value.imag > max(0.0, parts[b].value.imag)]
+
+
+def _tongue(
+    parts: list[Oscillation], pair: tuple[int, int], n: int, couplings: tuple[Complex, Complex], base: float,
+    speed: float,
+) -> Tongue | None:  # fmt: skip
+    """Return the tongue of order n of two groups of eigenvalues, None where they do not drive each other."""
+    one, two = (parts[k] for k in pair)
+    a, b = (_equal(parts, part) for part in (one, two))
+    product = couplings[0][np.ix_(a, b)] @ couplings[1][np.ix_(b, a)]
+    strength = float(np.linalg.eigvals(product).real.max())
+    apart = one.value.imag - two.value.imag
+    coupling = np.sqrt(max(strength, 0.0))
+    if coupling < FAINT * apart / 2:
+        return None
+    middle = apart / n
+    resonance = combine(one, two, middle)
+    if resonance is None:
+        return None
+    decays = (-one.value.real, -two.value.real)
+    return Tongue(resonance, speed * middle / base, middle, float(coupling), decays)
+
+
+def _equal(parts: list[Oscillation], like: Oscillation) -> list[int]:
+    """Return the eigenvalues of one group that turn the same way."""
+    same = (like.group, like.value.imag > 0)
+    return [k for k, part in enumerate(parts) if (part.group, part.value.imag > 0) == same]
