@@ -30,6 +30,8 @@ FINE = 64
 FAINT = 1e-4
 """Coupling sqrt(X Y) over the modes' mean frequency below which there is no tongue."""
 MOST_ORDERS = 200
+ROUNDING = 1e-12
+"""Decay over the modes' frequencies that is rounding: there is no damping."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def find_tongues(periodic: Periodic, speed: float, low: float, high: float) -> l
             tongue = _tongue(parts, (one, two), n, (up, down), base, speed)
             if tongue is not None and low <= abs(tongue.speed) < high:
                 found.setdefault((tongue.resonance.modes, n), tongue)
-    return sorted(found.values(), key=lambda tongue: -float(tongue.coupling / tongue.resonance.order / tongue.base))
+    return sorted(found.values(), key=lambda tongue: -float(tongue.coupling / tongue.resonance.order))
 
 
 def harmonics(periodic: Periodic, count: int) -> Complex:
@@ -144,8 +146,8 @@ def _tongue(
     resonance = combine(one, two, middle)
     if resonance is None:
         return None
-    decays = (-one.value.real, -two.value.real)
-    return Tongue(resonance, speed * middle / base, middle, float(coupling), decays)
+    decays = tuple(0.0 if abs(part.value.real) < ROUNDING * apart else -part.value.real for part in (one, two))
+    return Tongue(resonance, speed * middle / base, middle, float(coupling), (decays[0], decays[1]))
 
 
 def _equal(parts: list[Oscillation], like: Oscillation) -> list[int]:
