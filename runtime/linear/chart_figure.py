@@ -12,6 +12,7 @@ from ltcgear.generated.errors import LtcgearError
 from ..plots import BLUE, GREY, ORANGE, VERMILLION
 from ..results import check_target
 from .chart import RPM, Chart
+from .floquet import MARGIN
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from .tongues import Tongue
 
 SUFFIXES = (".csv", ".png", ".svg", ".pdf")
-NAMED = 8
-"""Tongues that carry their names."""
+NAMED, DRAWN = 8, 16
+"""Tongues that carry their names, and whose borders are drawn."""
 KINDS = {"primary": ("-", BLUE), "combination": ("--", VERMILLION), "difference": (":", ORANGE)}
 
 
@@ -96,31 +97,31 @@ def _draw_line(axes: Axes, chart: Chart) -> None:
 
 
 def _draw_tongues(axes: Axes, chart: Chart) -> None:
-    """Draw the first-order borders; the widest carry their names."""
+    """Draw the first-order borders of the widest tongues, the widest with their names, and where others begin."""
     v = np.linspace(chart.variations[0], chart.variations[-1], 400)
+    wide = [tongue for tongue in chart.tongues if np.isfinite(tongue.half_width(v)).any()][:DRAWN]
     told: set[str] = set()
-    for number, tongue in enumerate(chart.tongues):
+    for tongue in wide:
         half, kind = tongue.half_width(v) / RPM, tongue.resonance.kind
-        if not np.isfinite(half).any():
-            continue
-        dash, colour = KINDS[kind]
-        middle = abs(tongue.speed) / RPM
-        seen = np.isfinite(half)
-        outline = np.concatenate([(middle - half[seen])[::-1], middle + half[seen]]), np.concatenate(
-            [v[seen][::-1], v[seen]]
-        )
-        label = f"first order, {kind}" if kind not in told else None
+        seen, (dash, colour), middle = np.isfinite(half), KINDS[kind], abs(tongue.speed) / RPM
+        speeds = np.concatenate([(middle - half[seen])[::-1], middle + half[seen]])
+        heights = np.concatenate([v[seen][::-1], v[seen]])
+        axes.plot(speeds, heights, dash, color=colour, lw=1.0, label=f"first order, {kind}" if kind not in told else None)
         told.add(kind)
-        axes.plot(*outline, dash, color=colour, lw=0.9, label=label)
-        if number < NAMED:
-            _name(axes, tongue, middle, number)
+    others = [abs(tongue.speed) / RPM for tongue in chart.tongues if tongue not in wide]
+    if others:
+        edge = axes.get_xaxis_transform()
+        axes.plot(others, [0.0] * len(others), "|", color=GREY, ms=8, transform=edge, label="middles of others")
+    for place, tongue in enumerate(sorted(wide[:NAMED], key=lambda tongue: abs(tongue.speed))):
+        _name(axes, tongue, place)
 
 
-def _name(axes: Axes, tongue: Tongue, middle: float, number: int) -> None:
-    """Write a tongue's name over its middle."""
+def _name(axes: Axes, tongue: Tongue, place: int) -> None:
+    """Write a tongue's name over its middle, neighbours at different heights."""
     axes.annotate(
-        _mathtext(tongue), (middle, 0.985 - 0.05 * (number % 3)), xycoords=axes.get_xaxis_transform(), ha="center",
-        va="top", fontsize=8, bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85},
+        _mathtext(tongue), (abs(tongue.speed) / RPM, 0.985 - 0.06 * (place % 4)),
+        xycoords=axes.get_xaxis_transform(), ha="center", va="top", fontsize=8,
+        bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}, annotation_clip=False,
     )  # fmt: skip
 
 
@@ -134,11 +135,11 @@ def _mathtext(tongue: Tongue) -> str:
 
 def draw_multipliers(found: Floquet, title: str, path: Path) -> Path:
     """Draw the multipliers about the unit circle."""
-    figure, axes = _canvas(6.8, 5.0)
+    figure, axes = _canvas(5.6, 5.6)
     angle = np.linspace(0.0, 2 * np.pi, 361)
     axes.plot(np.cos(angle), np.sin(angle), color=GREY, lw=1.0, label="unit circle: border of stability")
     for grows, colour, mark, label in ((False, BLUE, "o", "dies away"), (True, VERMILLION, "^", "grows")):
-        values = [m.value for m in found.multipliers if (m.resonance is not None or abs(m.value) > 1) == grows]
+        values = [m.value for m in found.multipliers if (np.log(abs(m.value)) > MARGIN) == grows]
         if values:
             both = np.array([*values, *np.conj(values)])
             axes.plot(both.real, both.imag, mark, color=colour, ms=6, mec="white", label=label)

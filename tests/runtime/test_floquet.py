@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime.exact import Exact
+from ltcgear.runtime.integration import integrate
+from ltcgear.runtime.linear.chart import RPM, draw_up
 from ltcgear.runtime.linear.floquet import find_monodromies, find_multipliers, settle
 from ltcgear.runtime.linear.periodic import vary
 from scipy.linalg import expm
@@ -247,3 +249,82 @@ def test_two_runs_part_by_the_multiplier():
     assert np.log(apart[24] / apart[4]) == pytest.approx(20 * first.growth * found.periodic.period, rel=1e-2)
 
 
+SPEEDS = [210, 240, 278, 281, 300, 350, 430, 458, 461, 464, 490, 520, 551, 557, 563, 600, 640, 658, 661, 690]
+"""[rpm]; within the tongues 2 w11 = 2 W, 2 w17 = 2 W, 2 w11 = W and w10 + w17 = W, or between tongues."""
+PERIODS, VARIATION = 120, 2.0
+
+
+def test_a_planetary_stage_is_stable_where_its_chart_says_so():
+    """Two nonlinear runs of the undamped stage at each of 20 speeds, the second begun beside the first."""
+    c = case("lsp", *UNDAMPED)
+    chart = draw_up(c.library, c.p, np.array(SPEEDS) * RPM, np.array([VARIATION]))
+    mu = chart.largest[:, 0]
+    assert ((mu < 1 + 1e-9) | (mu > 1.03)).all()  # none beside a border
+    assert 8 <= chart.stable.sum() <= 12
+    random = np.random.default_rng(5)
+    for rpm, stable, wanted in zip(SPEEDS, chart.stable[:, 0], mu, strict=True):
+        part = parted(c, varied(c, VARIATION, rpm * RPM), random)
+        late, before = part[2 * PERIODS // 3 :].max(), part[PERIODS // 3 : 2 * PERIODS // 3].max()
+        assert (late / before < 1.3) == stable, rpm
+        if not stable:
+            assert np.log(late / before) == pytest.approx(PERIODS / 3 * np.log(wanted), rel=0.3), rpm
+
+
+def varied(c, variation, speed):
+    """The parameters of the LSP at another speed, with levels a factor further from their mean."""
+    number = {name: i for i, (name, _) in enumerate(c.library.manifest.parameters)}
+    p = c.p.copy()
+    p[number["reference.speed"]] = speed
+    for mesh in MESHES:
+        levels = [number[f"lsp.{mesh}.stiffness_{contact}"] for contact in ("single", "double")]
+        share = p[number[f"lsp.{mesh}.single_share"]]
+        mean = share * p[levels[0]] + (1 - share) * p[levels[1]]
+        p[levels] = mean + variation * (p[levels] - mean)
+    return p
+
+
+def parted(c, p, random):
+    """How far two runs are apart after each period."""
+    periodic = vary(c.library, p)
+    at, scale, kept = periodic.linear.at, periodic.linear.scale, periodic.linear.kept
+    kick = np.zeros(len(scale))
+    kick[kept] = 1e-3 * random.normal(size=len(kept)) * scale[kept]
+    one, two = (
+        integrate(
+            c.library, p, start, t_end=PERIODS * periodic.period, rate=1 / periodic.period, method="erk", rtol=1e-8
+        )
+        for start in (at, replace(at, x=at.x + kick))
+    )
+    assert one.status == two.status == "done"
+    return np.linalg.norm(((two.x - one.x) / scale)[:, kept], axis=1)
+
+
+def test_first_order_tongues_lie_where_the_multipliers_leave_the_circle():
+    """Along the border of the widest tongues the largest multiplier changes from 1 to more."""
+    c = case("lsp", *UNDAMPED)
+    chart = draw_up(c.library, c.p, np.linspace(440, 700, 30) * RPM, np.array([0.0, 0.25]))
+    for tongue in chart.tongues[:3]:
+        half = float(tongue.half_width(np.array(0.25)))
+        found = [
+            abs(multipliers(c, speed=tongue.speed + offset * half, variation=0.25).multipliers[0].value)
+            for offset in (-1.15, -0.85, 0.0, 0.85, 1.15)
+        ]
+        assert (np.array(found) > 1 + 1e-6).tolist() == [False, True, True, True, False]
+        # In the middle the motion grows by v sqrt(X Y).
+        growth = np.log(found[2]) * tongue.base / (2 * pi)
+        assert growth == pytest.approx(0.25 * tongue.coupling, rel=0.03)
+        hertz = np.array(tongue.resonance.frequencies_hz).sum()
+        assert hertz == pytest.approx(tongue.resonance.order * tongue.base / (2 * pi), rel=1e-12)
+
+
+def test_damping_lifts_a_tongue_off_the_axis():
+    """It grows from the variation sqrt(d_a d_b / X Y) on."""
+    c = case("lsp", *STAGE, *(f"stages.lsp.{mesh}.damping_ratio = 0.005" for mesh in MESHES))
+    chart = draw_up(c.library, c.p, np.linspace(300, 700, 20) * RPM, np.array([0.0, 1.0]))
+    tongue = min(chart.tongues, key=lambda tongue: tongue.least)
+    assert 0.0 < tongue.least < 1.0
+    below, above = (
+        multipliers(c, speed=tongue.speed, variation=factor * tongue.least).stable for factor in (0.93, 1.07)
+    )
+    assert below
+    assert not above
