@@ -83,7 +83,7 @@ def _show_multipliers(
     periodic = vary(library, p, mesh, speed)
     with progress(f"stability {opened.scene.name}", 1, "period") as told:
         found = find_multipliers(periodic, variation, told)
-    title = f"{opened.scene.name}: Floquet multipliers at {speed / RPM:.5g} rpm"
+    title = f"{opened.scene.name}: Floquet multipliers at {speed / RPM:.5g} rpm, variation {variation:g}"
     files = [] if output is None else [write_multipliers(found, title, output)]
     data = {**describe_multipliers(opened.scene.name, found, speed), "variation": variation}
     present.show(as_json, data, lambda shown: present.listed(tabulate_multipliers(shown), files))

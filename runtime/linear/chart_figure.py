@@ -66,25 +66,31 @@ def _write_rows(path: Path, head: tuple[str, ...], rows: Any) -> Path:  # noqa: 
 def draw_chart(chart: Chart, title: str, path: Path) -> Path:
     """Draw where small motions grow over speed and variation, with the first-order borders of the tongues."""
     figure, axes = _canvas(10.0, 5.4)
-    speeds = chart.speeds / RPM
     if min(chart.largest.shape) < 2:
         _draw_line(axes, chart)
     else:
         growth = np.log(np.maximum(chart.largest, 1.0)).T
         shown = np.ma.masked_where(chart.stable.T, growth)
-        mesh = axes.pcolormesh(speeds, chart.variations, shown, cmap="YlOrBr", vmin=0.0, shading="nearest")
+        colours = {"cmap": "YlOrBr", "vmin": 0.0, "vmax": max(float(growth.max()), MARGIN), "shading": "nearest"}
+        mesh = axes.pcolormesh(chart.speeds / RPM, chart.variations, shown, **colours)
         figure.colorbar(mesh, ax=axes, label=r"growth in a period, $\ln|\mu|$ (white: stable)", pad=0.02)
         _draw_tongues(axes, chart)
         axes.set_ylabel("stiffness variation [times the scene's]")
         axes.set_ylim(chart.variations[0], chart.variations[-1])
-    axes.set_xlim(speeds[0], speeds[-1])
-    axes.set_xlabel("speed of the reference [rpm]")
-    factor = float(chart.base_hz[0] / speeds[0])
-    above = axes.secondary_xaxis("top", functions=(lambda rpm: rpm * factor, lambda hertz: hertz / factor))
-    above.set_xlabel(r"$\Omega/2\pi$, mesh frequency or one over the common period [Hz]")
+    if len(chart.speeds) > 1:
+        _scale_speeds(axes, chart)
     axes.set_title(title, loc="left", fontsize=11)
     _finish(axes)
     return _save(figure, path)
+
+
+def _scale_speeds(axes: Axes, chart: Chart) -> None:
+    """Give axes their speeds below and the frequencies that go with them above."""
+    speeds, factor = chart.speeds / RPM, float(chart.base_hz[0] / chart.speeds[0] * RPM)
+    axes.set_xlim(speeds[0], speeds[-1])
+    axes.set_xlabel("speed of the reference [rpm]")
+    above = axes.secondary_xaxis("top", functions=(lambda rpm: rpm * factor, lambda hertz: hertz / factor))
+    above.set_xlabel(r"$\Omega/2\pi$, mesh frequency or one over the common period [Hz]")
 
 
 def _draw_line(axes: Axes, chart: Chart) -> None:
@@ -94,6 +100,8 @@ def _draw_line(axes: Axes, chart: Chart) -> None:
     axes.plot(x, chart.largest.ravel(), color=BLUE, lw=1.2, label="largest multiplier")
     axes.axhline(1.0, color="black", lw=0.8, label="border of stability")
     axes.set_ylabel(r"largest $|\mu|$")
+    if not along_speed:
+        axes.set_xlabel("stiffness variation [times the scene's]")
 
 
 def _draw_tongues(axes: Axes, chart: Chart) -> None:
@@ -138,7 +146,7 @@ def draw_multipliers(found: Floquet, title: str, path: Path) -> Path:
     figure, axes = _canvas(5.6, 5.6)
     angle = np.linspace(0.0, 2 * np.pi, 361)
     axes.plot(np.cos(angle), np.sin(angle), color=GREY, lw=1.0, label="unit circle: border of stability")
-    for grows, colour, mark, label in ((False, BLUE, "o", "dies away"), (True, VERMILLION, "^", "grows")):
+    for grows, colour, mark, label in ((False, BLUE, "o", "does not grow"), (True, VERMILLION, "^", "grows")):
         values = [m.value for m in found.multipliers if (np.log(abs(m.value)) > MARGIN) == grows]
         if values:
             both = np.array([*values, *np.conj(values)])

@@ -160,7 +160,9 @@ def find_monodromies(
     told
         Is called with the part of the period that is done.
     """
-    mean, found = periodic.linear.scaled(), periodic.mean(count)
+    found = periodic.mean(count)
+    # The samples hold the meshes that do not vary as they stand at the start; the linear system has their means.
+    mean = found if periodic.whole else periodic.linear.scaled()
     products, done = np.array([np.eye(len(mean))] * len(variations)), 0.0
     for lengths, one, two in periodic.samples(count):
         for i, factor in enumerate(variations):

@@ -46,6 +46,8 @@ class Periodic:
         Parts of the period at which levels jump, with 0 and 1.
     follows
         Whether A changes between the jumps too.
+    whole
+        Whether these are all the meshes whose phase A follows.
     """
 
     linear: Linear
@@ -54,6 +56,7 @@ class Periodic:
     period: float
     borders: Vector
     follows: bool
+    whole: bool
 
     @property
     def meshes(self) -> list[str]:
@@ -195,7 +198,8 @@ def vary(
     at = find_equilibrium(library, p) if at is None else at
     period = float(turns) * 2 * pi / abs(reference)
     borders = _borders(library, p, at, cycles)
-    return Periodic(linearise(library, p, at), p, cycles, period, borders, any(name in followed for name in chosen))
+    follows = any(name in followed for name in chosen)
+    return Periodic(linearise(library, p, at), p, cycles, period, borders, follows, len(chosen) == len(varying))
 
 
 def check_periodic(library: Library) -> None:

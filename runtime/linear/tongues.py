@@ -16,6 +16,8 @@ damping. Of repeated modes the pair that couples most counts.
 """
 
 from dataclasses import dataclass
+from itertools import product
+from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +27,13 @@ from .resonance_names import Oscillation, Resonance, combine, list_oscillations
 
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Indices = NDArray[np.int64]
 FINE = 64
 """Steps in a pitch by which the harmonics of A are summed where it varies between jumps too."""
 FAINT = 1e-4
 """Coupling sqrt(X Y) over the modes' mean frequency below which there is no tongue."""
-MOST_ORDERS = 200
+MOST_ORDERS = 40
+"""Tongues of higher orders are too narrow to matter, and too many."""
 ROUNDING = 1e-12
 """Decay over the modes' frequencies that is rounding: there is no damping."""
 
@@ -87,21 +91,34 @@ def find_tongues(periodic: Periodic, speed: float, low: float, high: float) -> l
     low, high
         Sizes of speeds [rad/s]; eigenfrequencies are those at ``speed``.
     """
-    parts = list_oscillations(periodic)
-    base = 2 * np.pi / periodic.period
-    fastest = max((abs(part.value.imag) for part in parts), default=0.0)
-    orders = range(1, min(int(2 * fastest / (base * low / abs(speed))), MOST_ORDERS) + 1)
-    found: dict[tuple[tuple[int, int], int], Tongue] = {}
-    if not parts:
+    parts, base = list_oscillations(periodic), 2 * np.pi / periodic.period
+    near = _between(parts, base * low / abs(speed), base * high / abs(speed))
+    if not near:
         return []
     left, right = (np.array([getattr(part, side) for part in parts]).T for side in ("left", "right"))
-    for n, harmonic in zip(orders, harmonics(periodic, len(orders)), strict=True):
-        up, down = (left.conj().T @ each @ right for each in (harmonic, harmonic.conj()))
-        for one, two in _pairs(parts):
-            tongue = _tongue(parts, (one, two), n, (up, down), base, speed)
-            if tongue is not None and low <= abs(tongue.speed) < high:
-                found.setdefault((tongue.resonance.modes, n), tongue)
-    return sorted(found.values(), key=lambda tongue: -float(tongue.coupling / tongue.resonance.order))
+    found = []
+    for n, harmonic in enumerate(harmonics(periodic, max(near)), start=1):
+        if n in near:
+            up = left.conj().T @ (harmonic @ right)
+            tongues = (_tongue(parts, pair, n, up, speed / base) for pair in near[n])
+            found += [tongue for tongue in tongues if tongue is not None]
+    return sorted(found, key=lambda tongue: -float(tongue.coupling / tongue.resonance.order))
+
+
+def _between(parts: list[Oscillation], low: float, high: float) -> dict[int, list[tuple[Indices, Indices]]]:
+    """Return by order n the pairs of groups of equal eigenvalues with low <= Omega < high, each pair once."""
+    groups: dict[tuple[int, bool], list[int]] = {}
+    for k, part in enumerate(parts):
+        groups.setdefault((part.group, part.value.imag > 0), []).append(k)
+    found: dict[int, list[tuple[Indices, Indices]]] = {}
+    for one, two in product(groups.values(), repeat=2):
+        apart = parts[one[0]].value.imag - parts[two[0]].value.imag
+        if abs(parts[two[0]].value.imag) > parts[one[0]].value.imag:
+            continue  # the faster mode comes first, in sums and differences
+        for n in range(max(ceil(apart / high), 1), min(int(apart / low), MOST_ORDERS) + 1):
+            if low <= apart / n < high:
+                found.setdefault(n, []).append((np.array(one), np.array(two)))
+    return found
 
 
 def harmonics(periodic: Periodic, count: int) -> Complex:
@@ -120,37 +137,21 @@ def harmonics(periodic: Periodic, count: int) -> Complex:
     return total
 
 
-def _pairs(parts: list[Oscillation]) -> list[tuple[int, int]]:
-    """Return one pair of eigenvalues for each two groups of equal ones, the faster rotation first."""
-    groups: dict[tuple[int, bool], int] = {}
-    for k, part in enumerate(parts):
-        groups.setdefault((part.group, part.value.imag > 0), k)
-    first = list(groups.values())
-    return [(a, b) for a in first for b in first if parts[a].value.imag > max(0.0, parts[b].value.imag)]
-
-
 def _tongue(
-    parts: list[Oscillation], pair: tuple[int, int], n: int, couplings: tuple[Complex, Complex], base: float,
-    speed: float,
-) -> Tongue | None:  # fmt: skip
+    parts: list[Oscillation], pair: tuple[Indices, Indices], n: int, up: Complex, ratio: float
+) -> Tongue | None:
     """Return the tongue of order n of two groups of eigenvalues, None where they do not drive each other."""
-    one, two = (parts[k] for k in pair)
-    a, b = (_equal(parts, part) for part in (one, two))
-    product = couplings[0][np.ix_(a, b)] @ couplings[1][np.ix_(b, a)]
-    strength = float(np.linalg.eigvals(product).real.max())
+    a, b = pair
+    one, two = parts[a[0]], parts[b[0]]
+    # A_-n is the conjugate of A_n, and conjugate parts are neighbours: Y follows from X of the conjugates.
+    x, y = up[a[:, None], b], up[b[:, None] ^ 1, a ^ 1].conj()
     apart = one.value.imag - two.value.imag
-    coupling = np.sqrt(max(strength, 0.0))
-    if coupling < FAINT * apart / 2:
+    least = (FAINT * apart / 2) ** 2
+    if np.linalg.norm(x) * np.linalg.norm(y) < least:
         return None
-    middle = apart / n
-    resonance = combine(one, two, middle)
-    if resonance is None:
+    strength = float(np.linalg.eigvals(x @ y).real.max())
+    resonance = combine(one, two, apart / n)
+    if strength < least or resonance is None:
         return None
-    decays = tuple(0.0 if abs(part.value.real) < ROUNDING * apart else -part.value.real for part in (one, two))
-    return Tongue(resonance, speed * middle / base, middle, float(coupling), (decays[0], decays[1]))
-
-
-def _equal(parts: list[Oscillation], like: Oscillation) -> list[int]:
-    """Return the eigenvalues of one group that turn the same way."""
-    same = (like.group, like.value.imag > 0)
-    return [k for k, part in enumerate(parts) if (part.group, part.value.imag > 0) == same]
+    decays = [0.0 if abs(part.value.real) < ROUNDING * apart else -part.value.real for part in (one, two)]
+    return Tongue(resonance, ratio * apart / n, apart / n, float(np.sqrt(strength)), (decays[0], decays[1]))

@@ -234,6 +234,45 @@ def grown(c, periodic, start, periods):
     return (runs[1].x - runs[0].x)[:, linear.kept] / size[linear.kept]
 
 
+LEVELS = "stages.psh.mesh.double_factor = 1.4"
+TABULATED = 'stages.psh.mesh.stiffness_table = [["0", "1.6e9 N/m"], ["0.25", "1.2e9 N/m"], ["1", "1.6e9 N/m"]]'
+SPUR = (
+    *(f"-stages.psh.{key}" for key in ("mesh.torsional_stiffness", "mesh.reference", "mesh.double_factor")),
+    'stages.psh.helix_angle = "0 deg"',
+    'stages.psh.mesh.face_width = "200 mm"',
+)
+KINDS = {
+    "two-level": (LEVELS,),
+    "smooth": (LEVELS,),
+    "fourier": (LEVELS, 'effects.stiffness_torque = "on"'),
+    "table": (TABULATED,),
+    "computed": SPUR,
+}
+
+
+@pytest.mark.parametrize("kind", [*KINDS, "friction"])
+def test_the_matrix_is_what_a_period_of_time_simulation_does_to_small_changes(kind):
+    settings = KINDS.get(kind) or (LEVELS, 'effects.mesh_friction = "sliding"', "stages.psh.mesh.friction.coefficient = 0.1")
+    c = case("psh", *settings, *([f'effects.mesh_stiffness = "{kind}"'] if kind in KINDS else []))
+    found = multipliers(c)
+    periodic, scale = found.periodic, found.periodic.linear.scale
+    run = {"t_end": periodic.period, "rate": 1 / periodic.period, "method": "erk", "rtol": 1e-10}
+    columns = []
+    for k in periodic.linear.kept:
+        ends = []
+        for sign in (1, -1):
+            x = c.at.x.copy()
+            x[k] += 0.1 * sign * scale[k]
+            ends.append(c.run(at=replace(c.at, x=x), **run).x[-1])
+        columns.append(((ends[0] - ends[1]) / 0.2 / scale)[periodic.linear.kept])
+    simulated = np.array(columns).T
+    constant = find_monodromies(periodic, [0.0], 64)[0]
+    size = np.linalg.norm(simulated)
+    assert np.linalg.norm(constant - simulated) > 0.04 * size
+    # With friction the equilibrium is that of one instant, and teeth vibrate by a good part of their deflection.
+    assert np.linalg.norm(found.matrix - simulated) < (2.5e-2 if kind == "friction" else 5e-4) * size
+
+
 def test_two_runs_part_by_the_multiplier():
     """A pair on bearings in its primary tongue, teeth as involutes: the nonlinear model."""
     settings = ("stages.psh.mesh.double_factor = 1.8", "stages.psh.mesh.damping_ratio = 0.005")
