@@ -14,7 +14,7 @@ from .opening import Opened, compile_model, open_scene
 MeshName = Annotated[
     str | None,
     typer.Option(
-        "--mesh", metavar="NAME", show_default="all", help="Stage, meshes or mesh whose stiffness varies: lsp.sun_planet."
+        "--mesh", metavar="NAME", show_default="all", help="Whose stiffness varies: a stage, as lsp, or lsp.sun_planet."
     ),
 ]
 Speeds = Annotated[

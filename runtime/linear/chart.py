@@ -77,7 +77,7 @@ def read_span(option: str, text: str | None, otherwise: float, example: str) -> 
         count = int(parts[2]) if len(parts) == 3 else len(parts)
     except ValueError:
         first, last, count = np.nan, np.nan, 0
-    single = len(parts) == 1 and 0 <= first
+    single = len(parts) == 1 and first >= 0
     if not (isfinite(first) and isfinite(last) and (single or (len(parts) == 3 and 0 <= first < last and count > 1))):
         raise LtcgearError(
             f"{option} {text}: write FIRST:LAST:NUMBER with 0 <= FIRST < LAST and a NUMBER above 1, "

@@ -114,7 +114,8 @@ def _draw_tongues(axes: Axes, chart: Chart) -> None:
         seen, (dash, colour), middle = np.isfinite(half), KINDS[kind], abs(tongue.speed) / RPM
         speeds = np.concatenate([(middle - half[seen])[::-1], middle + half[seen]])
         heights = np.concatenate([v[seen][::-1], v[seen]])
-        axes.plot(speeds, heights, dash, color=colour, lw=1.0, label=f"first order, {kind}" if kind not in told else None)
+        label = None if kind in told else f"first order, {kind}"
+        axes.plot(speeds, heights, dash, color=colour, lw=1.0, label=label)
         told.add(kind)
     others = [abs(tongue.speed) / RPM for tongue in chart.tongues if tongue not in wide]
     if others:

@@ -71,10 +71,7 @@ class Tongue:
         """Return how far from its middle the speed may lie [rad/s] for the motion to grow; nan where it does not."""
         one, two = (max(decay, 0.0) for decay in self.decays)
         drive = (np.asarray(variation) * self.coupling) ** 2
-        if one * two > 0:
-            square = (one + two) ** 2 * (drive / (one * two) - 1)
-        else:
-            square = 4 * drive
+        square = (one + two) ** 2 * (drive / (one * two) - 1) if one * two > 0 else 4 * drive
         detuning = np.sqrt(np.where(square >= 0, square, np.nan))
         return np.asarray(detuning / self.resonance.order / self.base * abs(self.speed))
 
