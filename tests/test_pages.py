@@ -108,6 +108,46 @@ def test_closed_forms_are_sums_over_the_path(benchmarks, a, b):
             assert form(u, z1, a, b) == pytest.approx(wanted, rel=1e-5)
 
 
+# --- stability
+
+
+def test_tongues_are_those_of_first_order_and_of_the_multipliers(benchmarks):
+    page = benchmarks("stability")
+    found, _ = rows(page, "tongues")
+    assert len(found) == page.TONGUES
+    undamped, damped = page.opened("lsp", page.UNDAMPED), page.opened("lsp")
+    for name, modes, speed, half, growth, by_multipliers, least in found:
+        near = np.array([0.995, 1.005]) * float(speed) * page.RPM
+        pair = [
+            next(t for t in page.draw_up(*opened, near, np.array([1.0])).tongues if t.resonance.name == name)
+            for opened in (undamped, damped)
+        ]
+        assert numbers(modes) == pytest.approx(np.array(pair[0].resonance.frequencies_hz), abs=0.06)
+        assert float(speed) == pytest.approx(pair[0].speed / page.RPM, abs=0.06)
+        assert float(half) == pytest.approx(float(pair[0].half_width(np.array(1.0))) / page.RPM, abs=0.01)
+        assert float(growth) == pytest.approx(pair[0].coupling, abs=0.1)
+        exact = page.find_multipliers(page.vary(*undamped, speed=pair[0].speed)).multipliers[0]
+        assert exact.resonance.name == name
+        assert float(by_multipliers) == pytest.approx(exact.growth, abs=0.1)
+        assert float(least) == pytest.approx(pair[1].least, abs=0.1)
+
+
+def test_the_rig_is_as_stable_as_the_page_says(benchmarks):
+    page = benchmarks("stability")
+    found, _ = rows(page, "rig")
+    assert [row[0] for row in found] == [stage or "all" for stage in page.STAGES]
+    for stage, period, jumps, largest, growth, frequency, undamped, _ in found[:3]:
+        damped, free = page.rig(stage), page.rig(stage, page.UNDAMPED)
+        assert [period, jumps, largest, growth, frequency, undamped] == [
+            cell.strip() for cell in page.row(stage, damped, free, None).strip("|\n ").split("|")[1:7]
+        ]
+        assert damped.stable
+        assert free.stable
+    whole = page.vary(*page.opened("rig-2mw"))  # its multipliers take half a minute
+    assert [found[3][1], found[3][2]] == [f"{1e3 * whole.period:.4g}", str(len(whole.borders) - 1)]
+    assert float(found[3][3]) == pytest.approx(np.exp(float(found[0][4]) * whole.period), rel=1e-3)
+
+
 # --- hard cases
 
 

@@ -1,0 +1,322 @@
+"""Periodic linear system: A over the mesh phase at a held speed, zdot = A(t) z with A(t + T) = A(t)."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from fractions import Fraction
+from functools import cached_property
+from math import ceil, gcd, lcm, pi
+
+import casadi as ca
+import numpy as np
+from ltcgear.generated.contract import Clock
+from ltcgear.generated.errors import LtcgearError
+from numpy.typing import NDArray
+
+from ..clocks import Clocks
+from ..equilibrium import Equilibrium, find_equilibrium
+from ..kernel import Kernel
+from ..library import Library
+from .system import Linear, linearise
+
+Vector = NDArray[np.float64]
+MOST = 100_000
+"""The most jumps, or steps between jumps, that a common period may have."""
+TOGETHER = 1e-11
+"""Instants closer than this share of the shortest tooth pitch are one."""
+CHUNK = 256
+"""Matrices held in memory at a time."""
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """A linear system whose stiffness varies with the mesh phase; all else of A stands as at the start.
+
+    Attributes
+    ----------
+    linear
+        The system about the mean loaded equilibrium, with means in place of what varies.
+    p
+        The parameters.
+    cycles
+        Pitches that each varying mesh goes through in a period, negative where its phase falls.
+    period
+        The time T [s] after which all of them have gone through whole pitches.
+    borders
+        Parts of the period at which levels jump, with 0 and 1.
+    follows
+        Whether A changes between the jumps too.
+    whole
+        Whether these are all the meshes whose phase A follows.
+    """
+
+    linear: Linear
+    p: Vector
+    cycles: dict[str, int]
+    period: float
+    borders: Vector
+    follows: bool
+    whole: bool
+
+    @property
+    def meshes(self) -> list[str]:
+        """Return the meshes whose stiffness varies."""
+        return list(self.cycles)
+
+    @property
+    def mesh_frequencies(self) -> dict[str, float]:
+        """Return the mesh frequencies [Hz] by stage."""
+        return {mesh.split(".")[0]: abs(n) / self.period for mesh, n in self.cycles.items()}
+
+    def steps(self, count: int) -> tuple[Vector, Vector]:
+        """Return starts and lengths, in parts of the period, of steps that stop at every jump.
+
+        Parameters
+        ----------
+        count
+            Steps in a period, about; one from jump to jump where A is constant there.
+        """
+        lengths = np.diff(self.borders)
+        parts = np.array([ceil(length * count) if self.follows else 1 for length in lengths])
+        ends = [np.linspace(a, b, n + 1) for a, b, n in zip(self.borders, self.borders[1:], parts, strict=False)]
+        starts = np.concatenate([each[:-1] for each in ends])
+        return starts, np.repeat(lengths / parts, parts)
+
+    def sample(self, places: Vector) -> Vector:
+        """Return A [1/s] at parts of the period that no jump falls on, states in sizes of their vibration.
+
+        Returns
+        -------
+        numpy.ndarray
+            Shape (m, n, n).
+        """
+        matrices = [self._at(float(place)) for place in places]
+        return np.array(matrices).reshape(len(places), *self.linear.matrix.shape)
+
+    def samples(self, count: int) -> Iterator[tuple[Vector, Vector, Vector]]:
+        """Yield lengths of steps and A at the two Gauss points of each, a chunk of steps at a time."""
+        starts, lengths = self.steps(count)
+        for first in range(0, len(starts), CHUNK):
+            start, length = starts[first : first + CHUNK], lengths[first : first + CHUNK]
+            if not self.follows:
+                middle = self.sample(start + length / 2)
+                yield length, middle, middle
+                continue
+            apart = length / np.sqrt(12)
+            yield length, self.sample(start + length / 2 - apart), self.sample(start + length / 2 + apart)
+
+    def mean(self, count: int) -> Vector:
+        """Return the mean of the samples over the period, shape (n, n)."""
+        parts = (np.tensordot(length, one + two, 1) / 2 for length, one, two in self.samples(count))
+        return np.asarray(sum(parts))
+
+    @cached_property
+    def _sampler(self) -> "_Sampler":
+        return _Sampler(self)
+
+    def _at(self, place: float) -> Vector:
+        return self._sampler.matrix(place)
+
+
+class _Sampler:
+    """Evaluates A at parts of a period; where it is constant between jumps, each set of levels once."""
+
+    def __init__(self, periodic: Periodic) -> None:
+        library, self.at = periodic.linear.library, periodic.linear.at
+        self.p, self.follows = periodic.p.copy(), periodic.follows
+        names = [name for name, _ in library.manifest.parameters]
+        started = [(names.index(c.start), periodic.cycles[c.mesh]) for c in _running(library, list(periodic.cycles))]
+        self.starts = np.array([index for index, _ in started], dtype=np.int64)
+        self.advance = np.array([float(cycles) for _, cycles in started])
+        self.switched = np.array([mesh in periodic.cycles for mesh in library.manifest.levels], dtype=np.bool_)
+        self.jacobian, self.phases = (Kernel(library.functions[name]) for name in ("jac_rhs", "phases"))
+        self.places = library.functions["jac_rhs"].sparsity_out(0).get_triplet()
+        self.kept, size = periodic.linear.kept, periodic.linear.scale
+        self.ratio = size[None, :] / size[:, None]
+        self.known: dict[bytes, Vector] = {}
+
+    def matrix(self, place: float) -> Vector:
+        p = self.p.copy()
+        p[self.starts] += self.advance * place
+        levels = self.at.levels.copy()
+        tau, _, share = self.phases(self.at.x, self.at.s, p)
+        levels[self.switched] = (np.mod(tau, 1.0) >= share)[self.switched]
+        if self.follows:
+            return self._evaluate(levels, p)
+        key = levels.tobytes()
+        if key not in self.known:
+            self.known[key] = self._evaluate(levels, self.p)
+        return self.known[key]
+
+    def _evaluate(self, levels: Vector, p: Vector) -> Vector:
+        s = np.concatenate([levels, self.at.signals])
+        full = np.zeros_like(self.ratio)
+        full[self.places] = self.jacobian(self.at.x, s, p, 0.0)[0]
+        return np.asarray((full * self.ratio)[np.ix_(self.kept, self.kept)])
+
+
+def vary(
+    library: Library, p: Vector, mesh: str | None = None, speed: float | None = None, at: Equilibrium | None = None
+) -> Periodic:
+    """Find what of a model's A varies with the mesh phase, and its common period.
+
+    Parameters
+    ----------
+    library, p
+        The model and its parameters.
+    mesh
+        A mesh, the meshes of one kind or a stage (``lsp.sun_planet.1``, ``lsp.sun_planet``, ``lsp``) whose stiffness
+        varies while that of all others has its mean; all where left out.
+    speed
+        Another speed of the reference [rad/s].
+    at
+        The mean loaded equilibrium, sought where left out.
+
+    Raises
+    ------
+    LtcgearError
+        If no constant speed is held, nothing varies, the mesh is unknown, or the common period is too long.
+    SolverError
+        If there is no equilibrium.
+    """
+    check_periodic(library)
+    if speed is not None:
+        p = _at_speed(library, p, speed)
+    followed = _followed(library)
+    clocks = Clocks(library.manifest, p)
+    moving = {name: course for name, course in clocks.by_mesh.items() if course.advance}
+    varying = [name for name in moving if name in followed or name in library.manifest.levels]
+    chosen = choose_meshes(varying, list(clocks.by_mesh), mesh)
+    pitches = {name: (moving[name].period if name in followed else 1) for name in chosen}
+    turns = _common([Fraction(pitches[name]) / abs(moving[name].advance) for name in chosen])
+    reference = _speed(library, p)
+    sense = 1 if reference > 0 else -1
+    cycles = {name: sense * int(moving[name].advance * turns) for name in chosen}
+    total = sum(abs(n) for n in cycles.values())
+    if 2 * total > MOST:
+        raise LtcgearError(_too_long(cycles))
+    at = find_equilibrium(library, p) if at is None else at
+    period = float(turns) * 2 * pi / abs(reference)
+    borders = _borders(library, p, at, cycles)
+    follows = any(name in followed for name in chosen)
+    return Periodic(linearise(library, p, at), p, cycles, period, borders, follows, len(chosen) == len(varying))
+
+
+def check_periodic(library: Library) -> None:
+    """Refuse a model whose speed is not held and constant."""
+    manifest = library.manifest
+    if manifest.reference == "rest":
+        raise LtcgearError("stability: the train stands still, so no stiffness varies; hold a speed: [loads.X] speed")
+    if manifest.reference == "torque":
+        raise LtcgearError(
+            "stability: the speed follows from the torques, so nothing is periodic; hold it: give one load a speed "
+            "in place of its torque and initial_speed"
+        )
+    if manifest.signals:
+        named = ", ".join(dict.fromkeys(signal.table for signal in manifest.signals))
+        raise LtcgearError(
+            f"stability: {named} changes over time, so nothing is periodic; give a constant speed or torque"
+        )
+
+
+def choose_meshes(varying: list[str], known: list[str], wanted: str | None) -> list[str]:
+    """Return the varying meshes that a name stands for: a mesh, the meshes of one kind, or a stage."""
+    if not varying:
+        raise LtcgearError(
+            "stability: no stiffness varies; set effects.mesh_stiffness to two-level, smooth, fourier, table or "
+            "computed, and give the mesh what that needs (double_factor, face_width or stiffness_table)"
+        )
+    if wanted is None:
+        return varying
+
+    def belong(names: list[str]) -> list[str]:
+        return [name for name in names if name == wanted or name.startswith(f"{wanted}.")]
+
+    found = belong(varying)
+    if found:
+        return found
+    if belong(known):
+        raise LtcgearError(f"--mesh {wanted}: its stiffness does not vary; {_listed(varying)} do")
+    near = get_close_matches(wanted, _names(varying), 1, 0.4)
+    raise LtcgearError(
+        f"--mesh {wanted!r:.60}: unknown; {f'did you mean {near[0]}?' if near else f'there are {_listed(varying)}'}"
+    )
+
+
+def reference_speed(library: Library, p: Vector) -> float:
+    """Return the reference's speed [rad/s] of a model whose speed is held; LtcgearError where it is not."""
+    check_periodic(library)
+    return _speed(library, p)
+
+
+def _speed(library: Library, p: Vector) -> float:
+    speed = float(p[[name for name, _ in library.manifest.parameters].index("reference.speed")])
+    if speed == 0:
+        raise LtcgearError("stability: the held speed is 0, so no stiffness varies; give a speed, or --speed")
+    return speed
+
+
+def _at_speed(library: Library, p: Vector, speed: float) -> Vector:
+    """Return the parameters with another speed of the reference."""
+    names = [name for name, _ in library.manifest.parameters]
+    changed = p.copy()
+    changed[names.index("reference.speed")] = speed
+    return changed
+
+
+def _followed(library: Library) -> set[str]:
+    """Return the meshes whose phase A follows between the jumps."""
+    graph = library.graphs["jac_rhs"]
+    symbols = [ca.SX.sym(graph.name_in(i), graph.sparsity_in(i)) for i in range(graph.n_in())]
+    depends = ca.which_depends(graph.call(symbols)[0].nz[:], symbols[2], 1, False)
+    names = {name for (name, _), found in zip(library.manifest.parameters, depends, strict=True) if found}
+    return {clock.mesh for clock in library.manifest.clocks if clock.mesh and clock.start in names}
+
+
+def _running(library: Library, meshes: list[str]) -> list[Clock]:
+    """Return the clocks of some meshes."""
+    return [clock for clock in library.manifest.clocks if clock.mesh in meshes]
+
+
+def _common(lengths: list[Fraction]) -> Fraction:
+    """Return the least common multiple of lengths."""
+    return Fraction(lcm(*(each.numerator for each in lengths)), gcd(*(each.denominator for each in lengths)))
+
+
+def _borders(library: Library, p: Vector, at: Equilibrium, cycles: dict[str, int]) -> Vector:
+    """Return the parts of the period at which a level jumps: single contact begins at 0 and lasts for its share."""
+    tau, _, share = (part.copy() for part in Kernel(library.functions["phases"])(at.x, at.s, p))
+    found = [np.array([0.0, 1.0])]
+    for i, mesh in enumerate(library.manifest.levels):
+        n = cycles.get(mesh, 0)
+        for border in (0.0, share[i]) if n else ():
+            found.append(np.sort(np.mod((border - tau[i] + np.arange(abs(n))) / n, 1.0)))
+    places = np.sort(np.concatenate(found))
+    near = TOGETHER / max(abs(n) for n in cycles.values())
+    apart = np.append(np.diff(places) > near, True)
+    places = places[apart]
+    places[0], places[-1] = 0.0, 1.0
+    return places
+
+
+def _too_long(cycles: dict[str, int]) -> str:
+    """Say how long the common period of some meshes is, and what to do."""
+    stages = dict.fromkeys(mesh.split(".")[0] for mesh in cycles)
+    counts = ", ".join(
+        f"{max(abs(n) for mesh, n in cycles.items() if mesh.startswith(f'{stage}.'))} of {stage}" for stage in stages
+    )
+    return (
+        f"stability: the common period of all meshes is too long: {counts} pitches; choose whose stiffness varies, "
+        f"the others at their means: --mesh {next(iter(stages))}"
+    )
+
+
+def _names(meshes: list[str]) -> list[str]:
+    """Return the names of meshes, of their kinds and of their stages."""
+    parts = [mesh.split(".") for mesh in meshes]
+    return list(dict.fromkeys(".".join(part[:n]) for n in (1, 2, 3) for part in parts if len(part) >= n))
+
+
+def _listed(meshes: list[str]) -> str:
+    """List stages and kinds of meshes."""
+    return ", ".join(name for name in _names(meshes) if name.count(".") < 2)
