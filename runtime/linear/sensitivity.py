@@ -80,7 +80,9 @@ def differentiate_modes(
     for members in groups.values():
         if numbers is None or set(members) & set(numbers):
             shifts = _shifts(linear, gradients, balance, [modes[k - 1] for k in members], at is None)
-            found += [_derivative(k, modes[k - 1], shift, len(members)) for k, shift in zip(members, shifts, strict=True)]
+            found += [
+                _derivative(k, modes[k - 1], shift, len(members)) for k, shift in zip(members, shifts, strict=True)
+            ]
     wanted = [item for item in found if numbers is None or item.number in numbers]
     return sorted(wanted, key=lambda item: item.number)
 

@@ -184,9 +184,7 @@ def test_a_pair_splits_as_the_matrices_by_hand_say():
     for item in derivatives(c):
         near = np.abs(values / (2 * np.pi * item.mode.frequency_hz) ** 2 - 1) < 1e-6
         moved = weight[:, None] * shapes[:, near]
-        expected = np.sort(np.linalg.eigvalsh(moved.T @ one @ moved))[::-1] / (
-            8 * np.pi**2 * item.mode.frequency_hz
-        )
+        expected = np.sort(np.linalg.eigvalsh(moved.T @ one @ moved))[::-1] / (8 * np.pi**2 * item.mode.frequency_hz)
         assert item.repeated == len(expected)
         if item.repeated == 2:
             pairs += 1
