@@ -79,7 +79,8 @@ def differentiate_modes(
             groups.setdefault(mode.group, []).append(number)
     for members in groups.values():
         if numbers is None or set(members) & set(numbers):
-            shifts = _shifts(linear, gradients, balance, [modes[k - 1] for k in members], at is None)
+            alike = [modes[k - 1] for k in members]
+            shifts = _shifts(linear, gradients, balance, alike, at is None)
             found += [
                 _derivative(k, modes[k - 1], shift, len(members)) for k, shift in zip(members, shifts, strict=True)
             ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -28,14 +29,9 @@ def check_listing(path: Path) -> None:
     check_target(path)
 
 
-def sizes(item: Item) -> list[Item]:
-    """Return the influences of which a percentage can be taken and that have a derivative."""
-    return [row for row in item["influences"] if row["relative"] is not None and row["relative"] == row["relative"]]
-
-
-def places(item: Item) -> list[Item]:
-    """Return the influences of places, angles and phases that have a derivative."""
-    return [row for row in item["influences"] if row["relative"] is None and row["derivative"] == row["derivative"]]
+def chosen(item: Item, kind: str) -> list[Item]:
+    """Return the influences of one kind that have a derivative."""
+    return [row for row in item["influences"] if row["kind"] == kind and isfinite(row["derivative"])]
 
 
 def make_tables(data: dict[str, Any], top: int) -> list[Table]:
@@ -43,7 +39,7 @@ def make_tables(data: dict[str, Any], top: int) -> list[Table]:
     items = data["items"]
     if len(items) > 2:
         return [_overview(data, top)]
-    return [table for item in items for table in (_sizes(item, top), _places(item, top)) if table.rows]
+    return [table for item in items for table in (_sizes(item, top), _geometry(item, top)) if table.rows]
 
 
 def _overview(data: dict[str, Any], top: int) -> Table:
@@ -51,7 +47,7 @@ def _overview(data: dict[str, Any], top: int) -> Table:
     rows: list[tuple[str, ...]] = []
     for item in data["items"]:
         heads = [(item["name"], f"{item['value']:.2f}"), *[("", "")] * top]
-        for head, row in zip(heads, sizes(item)[:top], strict=False):
+        for head, row in zip(heads, chosen(item, "size")[:top], strict=False):
             rows.append((*head, row["parameter"], f"{row['relative']:+.3f}"))
     return Table(
         f"What moves each: the {top} strongest parameters", ("", data["unit"], "parameter", "% for 1 %"), tuple(rows)
@@ -67,30 +63,32 @@ def _sizes(item: Item, top: int) -> Table:
             row["parameter"], f"{row['value']:.4g}", row["unit"], f"{row['relative']:+.4f}",
             *(f"{row['beside'][name] / 100:+.1e}" for name in beside),
         )
-        for row in sizes(item)[:top]
+        for row in chosen(item, "size")[:top]
     ]  # fmt: skip
     return Table(f"{item['name']}, {item['value']:.6g} {item['unit']}: sizes", columns, tuple(rows), _notes(item))
 
 
 def _notes(item: Item) -> tuple[str, ...]:
     """Say what has no derivative, and why."""
-    without = [row["parameter"] for row in item["influences"] if row["derivative"] != row["derivative"]]
+    without = [row["parameter"] for row in item["influences"] if not isfinite(row["derivative"])]
     notes = tuple(item.get("notes", ()))
     if not without:
         return notes
     return (*notes, f"no derivative, since without its balance there is no equilibrium: {', '.join(without)}")
 
 
-def _places(item: Item, top: int) -> Table:
-    """List the strongest places, angles and phases of one number."""
-    share = 100 / item["value"] if item["value"] else float("nan")
-    ordered = sorted(places(item), key=lambda row: -abs(row["derivative"]) * _step(row))
+def _geometry(item: Item, top: int) -> Table:
+    """List the strongest radii, places, angles and phases of one number."""
+    share = 100 / item["value"] if item["value"] else nan
+    ordered = sorted(chosen(item, "geometry"), key=lambda row: -abs(row["derivative"]) * _step(row))
     rows = [
         (row["parameter"], f"{row['value']:.4g}", f"{row['derivative'] * share * _step(row):+.2e} {_per(row)}")
         for row in ordered[:top]
         if row["derivative"]
     ]
-    return Table(f"{item['name']}: places, angles and phases", ("parameter", "value", "change"), tuple(rows))
+    return Table(
+        f"{item['name']}: radii, places, angles, phases, each by itself", ("parameter", "value", "change"), tuple(rows)
+    )
 
 
 def _step(row: Item) -> float:
@@ -132,7 +130,7 @@ def _write_csv(data: dict[str, Any], path: Path) -> None:
         )
         for item in data["items"]:
             for row in item["influences"]:
-                given = [row["parameter"], row["value"], row["unit"], row["derivative"], row["relative"]]
+                given = [row["parameter"], row["value"], row["unit"], row["kind"], row["derivative"], row["relative"]]
                 writer.writerow([item["name"], item["value"], item["unit"], *given, *row["beside"].values()])
 
 
@@ -158,10 +156,10 @@ def _bars(axes: Axes, item: Item, top: int) -> None:
     """Draw the strongest sizes of one number, those that raise it in one colour, those that lower it in another."""
     from ..plots import BLUE, VERMILLION
 
-    shown = sizes(item)[:top]
+    shown = chosen(item, "size")[:top]
     for raises, colour, label in ((True, BLUE, "raises it"), (False, VERMILLION, "lowers it")):
-        chosen = [(k, row["relative"]) for k, row in enumerate(shown) if (row["relative"] > 0) == raises]
-        axes.barh([k for k, _ in chosen], [value for _, value in chosen], 0.7, color=colour, label=label)
+        bars = [(k, row["relative"]) for k, row in enumerate(shown) if (row["relative"] > 0) == raises]
+        axes.barh([k for k, _ in bars], [value for _, value in bars], 0.7, color=colour, label=label)
     axes.set_yticks(range(len(shown)), [row["parameter"] for row in shown], fontsize=9)
     axes.invert_yaxis()
     axes.axvline(0.0, color="black", lw=0.8)

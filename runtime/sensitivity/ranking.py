@@ -14,10 +14,11 @@ FIXED = (
 """How the parameters begin that choose what is computed and are no numbers of a gearbox."""
 WHOLE = ("speed_ratio", "teeth_1", "teeth", "tooth", "cycles", "flank", "other_flank")
 """Last parts of names of what follows from whole numbers of teeth and from sides: it cannot change by a little."""
-PLACES = (
-    "x_0", "y_0", "e_x", "e_y", "phase", "rolled_phase", "turned", "opened", "static_moment_x", "static_moment_y",
+GEOMETRY = (
+    "base_radius_1", "base_radius_2", "center_distance", "path_middle", "x_0", "y_0", "e_x", "e_y", "phase",
+    "rolled_phase", "turned", "opened", "static_moment_x", "static_moment_y",
 )  # fmt: skip
-"""Last parts of names of what says where something is: a percentage of it says nothing."""
+"""Last parts of names of what teeth and module tie to each other, and of what says where something is."""
 
 
 @dataclass(frozen=True)
@@ -28,18 +29,21 @@ class Influence:
     ----------
     parameter, value, unit
         Name, value in SI, SI unit.
+    kind
+        ``size``: something that can be chosen by itself, a stiffness, a mass, a load; or ``geometry``: a radius, which
+        is tied to others by the teeth, a place, an angle or a phase.
     derivative
         Change of the number over that of the parameter, SI.
     relative
-        Change in percent for one percent of the parameter; None for a place, whose own size says nothing, and for a
-        number that is zero.
+        Change in percent for one percent of the parameter; None where either is zero.
     beside
-        Other derivatives over that of the logarithm of the parameter, by name; plain ones for a place.
+        Derivatives of other numbers by name, times the parameter for a size (change for 100 %).
     """
 
     parameter: str
     value: float
     unit: str
+    kind: str
     derivative: float
     relative: float | None
     beside: dict[str, float]
@@ -55,14 +59,14 @@ def is_continuous(name: str) -> bool:
 
 
 def is_size(name: str, unit: str, value: float) -> bool:
-    """Tell whether a parameter is a size, of which a percentage can be taken: no place, angle or phase."""
-    return value != 0 and unit != "rad" and name.rsplit(".", 1)[-1] not in PLACES
+    """Tell whether a parameter is a size that can be chosen by itself: no place, angle or phase."""
+    return value != 0 and unit != "rad" and name.rsplit(".", 1)[-1] not in GEOMETRY
 
 
 def list_influences(
     manifest: Manifest, p: Vector, number: float, derivative: Vector, beside: dict[str, Vector] | None = None
 ) -> list[Influence]:
-    """List what all parameters do to a number: sizes first, then places by their unit, the strongest first.
+    """List what all parameters do to a number: sizes first, then geometry by its unit, the strongest first.
 
     Parameters
     ----------
@@ -80,14 +84,14 @@ def list_influences(
             continue
         value, slope = float(p[i]), float(derivative[i])
         size = is_size(name, unit, value)
-        relative = slope * value / number if size and number else None
+        relative = slope * value / number if value and number else None
         others = {key: float(each[i]) * (value if size else 1.0) for key, each in (beside or {}).items()}
-        found.append(Influence(name, value, unit, slope, relative, others))
+        found.append(Influence(name, value, unit, "size" if size else "geometry", slope, relative, others))
     return sorted(found, key=_order)
 
 
 def _order(item: Influence) -> tuple[bool, bool, str, float]:
     """Return what influences are sorted by."""
-    place = item.relative is None
-    strength = abs(item.derivative if place or item.relative is None else item.relative)
-    return place, np.isnan(strength), item.unit if place else "", -strength
+    size = item.kind == "size"
+    strength = abs(item.derivative * (item.value if size else 1.0))
+    return not size, np.isnan(strength), "" if size else item.unit, -strength

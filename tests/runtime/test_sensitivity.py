@@ -115,8 +115,8 @@ def test_derivatives_are_those_of_differences(name, settings, numbers, turn):
     assert check_against_differences(case(name, *settings), numbers, turn=turn) > 5
 
 
-def test_derivatives_of_the_rig(name="rig-2mw"):
-    c = case(name)
+def test_derivatives_of_the_rig():
+    c = case("rig-2mw")
     single = [item.number for item in derivatives(c) if item.repeated == 1]
     assert check_against_differences(c, single[::6], every=8) > 8
 

@@ -1,0 +1,116 @@
+"""Adjoint: the derivative of a mean or RMS of a run with respect to all parameters, through jumps and regimes.
+
+One run forwards, one backwards: with the adjoint of Cao, Li, Petzold and Serban (2003) the cost does not grow with
+the number of parameters.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from ltcgear.generated.errors import SolverError
+from numpy.typing import NDArray
+
+from ..equilibrium import Equilibrium
+from ..library import Library
+from ..linear.balance import Balance
+from ..linear.gradients import Gradients
+from ..scaling import fastest
+from ..signals import Pairs
+from .backward import Backward, vibrating
+from .course import Course, follow_course
+from .jumps import Jumps
+from .worth import Worth, find_worth
+
+Vector = NDArray[np.float64]
+GROWTH = 1e2
+"""By how much the adjoint may exceed what has gone into it, beyond what a train that rolls freely makes of it."""
+
+
+@dataclass(frozen=True)
+class OutputDerivative:
+    """A measure of an output and its derivatives.
+
+    Attributes
+    ----------
+    value
+        The measure, in the unit of the output.
+    gradient
+        Its derivative with respect to all parameters, shape (n_p,).
+    pieces, steps
+        Smooth pieces of the run, and steps back.
+    """
+
+    value: float
+    gradient: Vector
+    pieces: int
+    steps: int
+
+
+def differentiate_output(
+    library: Library, p: Vector, at: Equilibrium, output: int, *, measure: str, start: float, t_end: float,
+    method: str = "erk", rtol: float = 1e-8, tables: Mapping[str, Pairs] | None = None,
+) -> OutputDerivative:  # fmt: skip
+    """Differentiate a measure of an output of a run from the equilibrium.
+
+    Parameters
+    ----------
+    library, p, at
+        Model, parameters and the equilibrium where the run begins, which moves with p.
+    output, measure, start
+        Place of the output among the reports; see ``worth.MEASURES``; first instant that counts [s].
+    t_end, method, rtol, tables
+        See ``integrate``; the adjoint has the same tolerance.
+
+    Raises
+    ------
+    SolverError
+        If the run or its adjoint cannot be followed: where motion grows so that derivatives say nothing.
+    """
+    course = follow_course(library, p, at, t_end=t_end, method=method, rtol=rtol, tables=tables)
+    worth = find_worth(course, output, measure, start)
+    backward = Backward(course, output, rtol)
+    _go_back(course, worth, backward, output)
+    balance = Balance(Gradients(library), p, at)
+    gradient = backward.gradient + balance.pull_back(backward.adjoint)
+    return OutputDerivative(worth.value, gradient, len(course.pieces), int(backward.state.steps))
+
+
+def _go_back(course: Course, worth: Worth, backward: Backward, output: int) -> None:
+    """Go back over all pieces and what lies between them."""
+    jumps, watch = Jumps(course, output), _Watch(course)
+    after = None
+    for piece in reversed(course.pieces):
+        end = piece.start + piece.duration
+        a, b = (worth.a, worth.b) if end > worth.start else (0.0, 0.0)
+        if after is not None:
+            jumps.go_back(backward, piece, after, a, b)
+        within = min(max(worth.start - piece.start, 0.0), piece.duration)
+        if within < piece.duration:
+            backward.go_back(piece, within, piece.duration, worth.a, worth.b)
+        if within > 0:
+            backward.go_back(piece, 0.0, within, 0.0, 0.0)
+        watch.look(backward, piece.start)
+        after = piece
+
+
+class _Watch:
+    """Sees to it that the adjoint does not outgrow what has gone into it."""
+
+    def __init__(self, course: Course) -> None:
+        self.size, self.speed = vibrating(course), fastest(course.library, course.at, course.p)
+        self.end = course.pieces[-1].start + course.pieces[-1].duration
+        self.given = 0.0
+
+    def look(self, backward: Backward, time: float) -> None:
+        """Refuse an adjoint that has outgrown its sources: whatever moves a little moves everything then."""
+        reached = float(np.linalg.norm(self.size * backward.adjoint))
+        past = self.end - time
+        if self.given == 0.0:
+            self.given = reached / max(past, 1e-300)
+        if reached > GROWTH * self.given * past * (1 + self.speed * past):
+            raise SolverError(
+                f"seen from the end of the run, what is moved at t = {time:.6g} s grows {reached:.1e}-fold"
+                "; the motion grows or is chaotic, so that derivatives of it say nothing; "
+                "simulate less time (--t-end), or take a load or speed at which the motion is regular"
+            )
