@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cache
 
 import numpy as np
 from ltcgear.generated.contract import Manifest
@@ -9,6 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from ..batch import Batch
+from ..nodes import Chebyshev
 from .course import Course, Piece
 
 Vector = NDArray[np.float64]
@@ -16,6 +18,10 @@ MEASURES = ("mean", "rms", "vibration")
 """Mean; root mean square about zero; root mean square about the mean."""
 UNBOUNDED = ("mesh_phase",)
 """Outputs that grow with time, whose mean says nothing."""
+COUNTS = (16, 32, 64, 128, 256, 512, 1024)
+"""Intervals between the points of a piece at which an output is looked at, one after the other."""
+EXACT, STILL = 1e-11, 1e-12
+"""Change of the mean square that ends that; RMS over mean from which an output counts as varying."""
 
 
 @dataclass(frozen=True)
@@ -78,35 +84,42 @@ def find_worth(course: Course, output: int, measure: str, start: float) -> Worth
         If the output does not vary, where its vibration is asked for: that has no derivative there.
     """
     end = course.pieces[-1].start + course.pieces[-1].duration
-    batch, sums = Batch(course.library, "outputs"), np.zeros(2)
-    mean = 0.0
-    for power in (1, 2):
-        total = 0.0
-        for piece in course.pieces:
-            y, weights = _values(course, batch, piece, output, start)
-            total += float(weights @ (y - mean) ** power)
-        sums[power - 1] = total / (end - start)
-        mean = sums[0] if measure == "vibration" else 0.0
+    rows = [_values(course, Batch(course.library, "outputs"), piece, output, start) for piece in course.pieces]
+    y, weights = (np.concatenate(parts) for parts in zip(*rows, strict=True))
+    share = 1 / (end - start)
+    mean = share * float(weights @ y)
     if measure == "mean":
-        return Worth(float(sums[0]), 1 / (end - start), 0.0, start, end)
-    value = float(np.sqrt(sums[1]))
-    if not value > 1e-12 * abs(sums[0]):
-        raise LtcgearError(f"the output stays as it is ({sums[0]:.6g}): its {measure} has no derivative; ask for mean")
-    share = 1 / (value * (end - start))
-    return Worth(value, -mean * share, share, start, end)
+        return Worth(mean, share, 0.0, start, end)
+    about = mean if measure == "vibration" else 0.0
+    value = float(np.sqrt(share * (weights @ (y - about) ** 2)))
+    if not value > STILL * abs(mean):
+        raise LtcgearError(f"the output stays as it is ({mean:.6g}): its {measure} has no derivative; ask for mean")
+    return Worth(value, -about * share / value, share / value, start, end)
 
 
 def _values(course: Course, batch: Batch, piece: Piece, output: int, start: float) -> tuple[Vector, Vector]:
-    """Return an output at the nodes of a piece, or of what lies of it in the window, and quadrature weights [s]."""
+    """Return an output at points of a piece, or of what lies of it in the window, and quadrature weights [s].
+
+    An output may vary faster than the motion, as stiffness and errors over the mesh phase do: points are added until
+    the mean square stands still.
+    """
     first = min(max((start - piece.start) / piece.duration, 0.0), 1.0)
     if first >= 1.0:
         return np.zeros(0), np.zeros(0)
-    times = first + (1 - first) * course.nodes.points
-    x = course.nodes.matrix(times) @ piece.x
-    s = np.array([piece.s_at(part * piece.duration) for part in times])
-    return batch(x, s, piece.p)[:, output], (1 - first) * piece.duration * quadrature(len(times) - 1)
+    before = np.inf
+    for count in COUNTS:
+        times = first + (1 - first) * Chebyshev(count).points
+        x = course.nodes.matrix(times) @ piece.x
+        s = np.array([piece.s_at(part * piece.duration) for part in times])
+        y, weights = batch(x, s, piece.p)[:, output], quadrature(count)
+        square = float(weights @ y**2)
+        if abs(square - before) <= EXACT * float(np.max(y**2)):
+            break
+        before = square
+    return y, (1 - first) * piece.duration * weights
 
 
+@cache
 def quadrature(count: int) -> Vector:
     """Return the weights of Clenshaw and Curtis over 0..1 for ``count + 1`` Chebyshev points (Waldvogel 2006)."""
     k = np.arange(count + 1)
