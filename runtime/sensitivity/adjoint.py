@@ -12,19 +12,23 @@ from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
 from ..equilibrium import Equilibrium
+from ..kernel import Kernel
 from ..library import Library
 from ..linear.balance import Balance
 from ..linear.gradients import Gradients
 from ..scaling import fastest
 from ..signals import Pairs
-from .backward import Backward, vibrating
-from .course import Course, follow_course
+from .backward import Backward, report_gradient, vibrating
+from .course import Course, Piece, follow_course
 from .jumps import Jumps
 from .worth import Worth, find_worth
 
 Vector = NDArray[np.float64]
 GROWTH = 1e2
 """By how much the adjoint may exceed what has gone into it, beyond what a train that rolls freely makes of it."""
+
+INSTANT = 1e-12
+"""Part of a piece that is nothing but rounding."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +43,15 @@ class OutputDerivative:
         Its derivative with respect to all parameters, shape (n_p,).
     pieces, steps
         Smooth pieces of the run, and steps back.
+    one_sided
+        Parameters whose derivative holds to one side only: they move a mesh phase off the border where it starts.
     """
 
     value: float
     gradient: Vector
     pieces: int
     steps: int
+    one_sided: list[str]
 
 
 def differentiate_output(
@@ -70,47 +77,58 @@ def differentiate_output(
     course = follow_course(library, p, at, t_end=t_end, method=method, rtol=rtol, tables=tables)
     worth = find_worth(course, output, measure, start)
     backward = Backward(course, output, rtol)
-    _go_back(course, worth, backward, output)
+    jumps = Jumps(course, output)
+    _go_back(course, worth, backward, jumps, output)
     balance = Balance(Gradients(library), p, at)
     gradient = backward.gradient + balance.pull_back(backward.adjoint)
-    return OutputDerivative(worth.value, gradient, len(course.pieces), int(backward.state.steps))
+    return OutputDerivative(
+        worth.value, gradient, len(course.pieces), int(backward.state.steps), jumps.one_sided(course.pieces[0])
+    )
 
 
-def _go_back(course: Course, worth: Worth, backward: Backward, output: int) -> None:
+def _go_back(course: Course, worth: Worth, backward: Backward, jumps: Jumps, output: int) -> None:
     """Go back over all pieces and what lies between them."""
-    jumps, watch = Jumps(course, output), _Watch(course)
+    watch = _Watch(course, worth, output)
     after = None
     for piece in reversed(course.pieces):
         end = piece.start + piece.duration
         a, b = (worth.a, worth.b) if end > worth.start else (0.0, 0.0)
         if after is not None:
             jumps.go_back(backward, piece, after, a, b)
-        within = min(max(worth.start - piece.start, 0.0), piece.duration)
-        if within < piece.duration:
+        within, least = min(max(worth.start - piece.start, 0.0), piece.duration), INSTANT * piece.duration
+        if within < piece.duration - least:
             backward.go_back(piece, within, piece.duration, worth.a, worth.b)
-        if within > 0:
+        if within > least:
             backward.go_back(piece, 0.0, within, 0.0, 0.0)
-        watch.look(backward, piece.start)
+        watch.look(backward, piece)
         after = piece
 
 
 class _Watch:
     """Sees to it that the adjoint does not outgrow what has gone into it."""
 
-    def __init__(self, course: Course) -> None:
-        self.size, self.speed = vibrating(course), fastest(course.library, course.at, course.p)
-        self.end = course.pieces[-1].start + course.pieces[-1].duration
+    def __init__(self, course: Course, worth: Worth, output: int) -> None:
+        self.course, self.worth, self.size = course, worth, vibrating(course)
+        self.speed = fastest(course.library, course.at, course.p)
+        self.source = Kernel(report_gradient(course.library, output))
         self.given = 0.0
 
-    def look(self, backward: Backward, time: float) -> None:
+    def look(self, backward: Backward, piece: Piece) -> None:
         """Refuse an adjoint that has outgrown its sources: whatever moves a little moves everything then."""
+        past = self.worth.end - piece.start
+        if piece.start + piece.duration > self.worth.start:
+            self.given += piece.duration * max(self._given(piece, place) for place in (0, len(piece.x) // 2, -1))
         reached = float(np.linalg.norm(self.size * backward.adjoint))
-        past = self.end - time
-        if self.given == 0.0:
-            self.given = reached / max(past, 1e-300)
-        if reached > GROWTH * self.given * past * (1 + self.speed * past):
+        growth = reached / max(self.given * (1 + self.speed * past), 1e-300)
+        if growth > GROWTH:
             raise SolverError(
-                f"seen from the end of the run, what is moved at t = {time:.6g} s grows {reached:.1e}-fold"
-                "; the motion grows or is chaotic, so that derivatives of it say nothing; "
+                f"from t = {piece.start:.6g} s to the end of the run what is moved a little grows {growth:.1e}-fold "
+                "beyond what a regular motion makes of it: it grows or is chaotic, and derivatives of it say nothing; "
                 "simulate less time (--t-end), or take a load or speed at which the motion is regular"
             )
+
+    def _given(self, piece: Piece, place: int) -> float:
+        """Return the size of the adjoint's source at a node."""
+        s = piece.s_at(float(self.course.nodes.points[place]) * piece.duration)
+        of_x = self.source(piece.x[place], s, piece.p, (self.worth.a, self.worth.b))[0]
+        return float(np.linalg.norm(self.size * of_x))

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ..library import Library, load
 from ..native import FAULTS, NEEDED, STAGES, Function, engine
-from ..nodes import Chebyshev
 from ..scaling import fastest
 from .course import Course, Piece
 
@@ -60,7 +59,7 @@ class Backward:
         n, n_p, n_s = (library.functions["rhs"].size1_in(i) for i in (0, 2, 1))
         self._bound = [
             self._bind("motion", _motion_gradient(library)),
-            self._bind("report", _report_gradient(library, output)),
+            self._bind("report", report_gradient(library, output)),
         ]
         state = self.state
         state.n, state.n_p, state.n_s, state.n_levels = n, n_p, n_s, len(library.manifest.levels)
@@ -126,11 +125,6 @@ def vibrating(course: Course) -> Vector:
     )
 
 
-def nodes_of(count: int) -> Chebyshev:
-    """Return the nodes of a count."""
-    return Chebyshev(count)
-
-
 def _motion_gradient(library: Library) -> ca.Function:
     """Return the gradients of w' f with respect to x and p."""
     graph = library.graphs["rhs"]
@@ -139,7 +133,7 @@ def _motion_gradient(library: Library) -> ca.Function:
     return _gradients("motion_gradient", ca.dot(w, graph.call(point)[0]), point, w)
 
 
-def _report_gradient(library: Library, output: int) -> ca.Function:
+def report_gradient(library: Library, output: int) -> ca.Function:
     """Return the gradients of a y + b y^2 / 2 with respect to x and p, y one of the outputs."""
     graph = library.graphs["outputs"]
     point = [ca.SX.sym(graph.name_in(i), graph.sparsity_in(i)) for i in range(graph.n_in())]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..kernel import Kernel
 from ..library import Library
-from ..switching import levels_of
+from ..switching import Phases, at_border, levels_of, lower
 from .backward import Backward
 from .course import Course, Piece
 
@@ -36,10 +36,11 @@ class Jumps:
     def __init__(self, course: Course, output: int) -> None:
         self.library, self.output = course.library, output
         manifest = course.library.manifest
-        names = [name for name, _ in manifest.parameters]
-        self.holds = [names.index(hold) for hold in manifest.holds]
+        self.names = [name for name, _ in manifest.parameters]
+        self.holds = [self.names.index(hold) for hold in manifest.holds]
         self.levels = len(manifest.levels)
         self.rhs, self.outputs = (Kernel(course.library.functions[name]) for name in ("rhs", "outputs"))
+        self.phases = Kernel(course.library.functions["phases"])
         self.phase = _gradient(course.library, "phases", (0, 2))
         self.border = _gradient(course.library, "borders", (0,))
 
@@ -68,6 +69,19 @@ class Jumps:
             backward.adjoint[:] -= lost / approach * h_x
             backward.gradient[:] -= lost / approach * h_p
 
+    def one_sided(self, first: Piece) -> list[str]:
+        """Name the parameters that move a mesh phase off the border where it starts.
+
+        The derivative given is that of a phase that has gone on: for one that is behind, the jump at the border lies
+        within the run.
+        """
+        tau, rate, share = (part.copy() for part in self.phases(first.x[0], first.s, first.p))
+        phases, moved = Phases(tau, rate, share), np.zeros(len(self.names), dtype=np.bool_)
+        for cells in (first.cells, first.cells + 1):
+            for mesh in np.flatnonzero(np.abs(tau - lower(cells, share)) <= at_border(phases)):
+                moved |= self._border(first.x[0], (first.s, first.p), int(mesh), int(cells[mesh]))[2] != 0
+        return [name for name, there in zip(self.names, moved, strict=True) if there]
+
     def _gained(self, adjoint: Vector, x: Vector, setting: Setting, a: float, b: float) -> float:
         """Return adjoint' f + a y + b y^2 / 2."""
         s, p = setting
@@ -92,7 +106,8 @@ class Jumps:
             s[mesh] = levels_of(before.cells[mesh : mesh + 1] + before.crossed[mesh])[0]
             if count == len(changed):
                 p = self._with_sides(p, after.sides)
-            yield self._phase_border(before, int(mesh), setting), setting, (s, p)
+            border = int(before.cells[mesh] + max(before.crossed[mesh], 0))
+            yield self._border(x, setting, int(mesh), border), setting, (s, p)
             setting = (s, p)
         if len(changed):
             return
@@ -106,12 +121,11 @@ class Jumps:
             yield (h_x, h_s, h_p), setting, (setting[0], p)
             setting = (setting[0], p)
 
-    def _phase_border(self, piece: Piece, mesh: int, setting: Setting) -> tuple[Vector, Vector, Vector]:
-        """Return the gradient of a mesh phase less the border that it reaches."""
-        border = piece.cells[mesh] + max(int(piece.crossed[mesh]), 0)
+    def _border(self, x: Vector, setting: Setting, mesh: int, border: int) -> tuple[Vector, Vector, Vector]:
+        """Return the gradient of a mesh phase less a border, counted as the cell that begins there."""
         weights = np.zeros(2 * self.levels)
         weights[mesh], weights[self.levels + mesh] = 1.0, -float(border % 2)
-        h_x, h_s, h_p = (part.copy() for part in self.phase(piece.x[-1], *setting, weights))
+        h_x, h_s, h_p = (part.copy() for part in self.phase(x, *setting, weights))
         return h_x, h_s, h_p
 
     def _with_sides(self, p: Vector, sides: NDArray[np.bool_]) -> Vector:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 FIGURES = (".png", ".svg", ".pdf")
+ROUNDING = 1e-9
+"""Relative change that is not worth a line."""
 PANELS = 6
 """Most numbers that one figure shows."""
 Item = dict[str, Any]
@@ -84,7 +86,7 @@ def _geometry(item: Item, top: int) -> Table:
     rows = [
         (row["parameter"], f"{row['value']:.4g}", f"{row['derivative'] * share * _step(row):+.2e} {_per(row)}")
         for row in ordered[:top]
-        if row["derivative"]
+        if abs(row["derivative"]) * _step(row) > ROUNDING * abs(item["value"])
     ]
     return Table(
         f"{item['name']}: radii, places, angles, phases, each by itself", ("parameter", "value", "change"), tuple(rows)
