@@ -122,10 +122,16 @@ def _output(
     unit = library.manifest.reports[place].unit
     rows = list_influences(library.manifest, p, found.value, found.gradient)
     sided = [name for name in found.one_sided if is_continuous(name)]
-    notes = [f"starts on a border of its mesh, derivative for a phase that has gone on: {', '.join(sided)}"]
+    notes = [f"starts on a border of its mesh, derivative for a phase that has gone on: {', '.join(sided)}"] * bool(
+        sided
+    )
+    notes += [
+        f"a jump falls on t = {t:g} s, derivatives hold to one side: move it with --from or --t-end"
+        for t in found.edges
+    ]
     item = {
         "name": f"{measure} of {output}, {start:g} to {end:g} s", "unit": unit, "value": found.value,
         "method": chosen, "pieces": found.pieces, "steps": found.steps, "one_sided": sided,
-        "notes": notes if sided else [], "influences": [row.to_json() for row in rows],
+        "notes": notes, "influences": [row.to_json() for row in rows],
     }  # fmt: skip
     return {"title": f"what moves the {measure} of {output}", "unit": unit, "items": [item]}

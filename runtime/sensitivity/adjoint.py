@@ -27,8 +27,8 @@ Vector = NDArray[np.float64]
 GROWTH = 1e2
 """By how much the adjoint may exceed what has gone into it, beyond what a train that rolls freely makes of it."""
 
-INSTANT = 1e-12
-"""Part of a piece that is nothing but rounding."""
+INSTANT, EDGE = 1e-12, 1e-9
+"""Part of a piece that is nothing but rounding; part of a run by which a jump may miss an end of the window."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,8 @@ class OutputDerivative:
         Smooth pieces of the run, and steps back.
     one_sided
         Parameters whose derivative holds to one side only: they move a mesh phase off the border where it starts.
+    edges
+        Ends of the window [s] on which a jump falls: there all derivatives hold to one side only.
     """
 
     value: float
@@ -52,6 +54,7 @@ class OutputDerivative:
     pieces: int
     steps: int
     one_sided: list[str]
+    edges: list[float]
 
 
 def differentiate_output(
@@ -79,11 +82,18 @@ def differentiate_output(
     backward = Backward(course, output, rtol)
     jumps = Jumps(course, output)
     _go_back(course, worth, backward, jumps, output)
-    balance = Balance(Gradients(library), p, at)
-    gradient = backward.gradient + balance.pull_back(backward.adjoint)
+    gradient = backward.gradient + Balance(Gradients(library), p, at).pull_back(backward.adjoint)
+    sided = jumps.one_sided(course.pieces[0])
     return OutputDerivative(
-        worth.value, gradient, len(course.pieces), int(backward.state.steps), jumps.one_sided(course.pieces[0])
+        worth.value, gradient, len(course.pieces), int(backward.state.steps), sided, _edges(course, worth)
     )
+
+
+def _edges(course: Course, worth: Worth) -> list[float]:
+    """Return the ends of the window on which a jump falls."""
+    jumps = [piece.start + piece.duration for piece in course.pieces if piece.crossed.any()]
+    ends = [worth.start, worth.end] if worth.start > 0 else [worth.end]
+    return [end for end in ends if any(abs(end - jump) < EDGE * worth.end for jump in jumps)]
 
 
 def _go_back(course: Course, worth: Worth, backward: Backward, jumps: Jumps, output: int) -> None:

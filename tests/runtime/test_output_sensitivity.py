@@ -136,11 +136,18 @@ def test_forces_scale_with_all_that_is_heavy_and_stiff(settings):
 def test_whole_turns_do_not_matter():
     """A mean over many turns of the input, of a run from whose angle turns are taken off."""
     c = case("psh", 'loads.input.speed = "-6000 rpm"')
-    run = ("mesh_force:psh.mesh", "vibration", 0.03, 0.045)
+    run = ("mesh_force:psh.mesh", "vibration", 0.031, 0.045)
     found = differentiate(c, run[0], measure=run[1], start=run[2], t_end=run[3])
     for name in ("reference.speed", "psh.mesh.single_share"):
         i = [name for name, _ in c.library.manifest.parameters].index(name)
         assert found.gradient[i] == pytest.approx(difference(c, i, 1e-6 * c.p[i], *run), rel=1e-3)
+
+
+def test_a_jump_on_the_edge_of_the_window_is_told():
+    c = case("psh", 'loads.input.speed = "-6000 rpm"')
+    found = differentiate(c, "mesh_force:psh.mesh", start=0.01, t_end=0.0145)  # a turn, 59 pitches
+    assert found.edges == [0.01]
+    assert differentiate(c, "mesh_force:psh.mesh", start=0.0101, t_end=0.0145).edges == []
 
 
 def test_measures_are_those_of_simulations():
