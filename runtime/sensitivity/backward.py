@@ -7,7 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 from ltcgear.generated import store
-from ltcgear.generated.errors import CompileError, SolverError
+from ltcgear.generated.errors import CompileError, LtcgearError, SolverError
 from numpy.typing import NDArray
 
 from ..library import Library, load
@@ -134,11 +134,28 @@ def _motion_gradient(library: Library) -> ca.Function:
 
 
 def report_gradient(library: Library, output: int) -> ca.Function:
-    """Return the gradients of a y + b y^2 / 2 with respect to x and p, y one of the outputs."""
+    """Return the gradients of a y + b y^2 / 2 with respect to x and p, y one of the outputs.
+
+    Raises
+    ------
+    LtcgearError
+        If y is a step, whose instants nothing tells.
+    """
     graph = library.graphs["outputs"]
     point = [ca.SX.sym(graph.name_in(i), graph.sparsity_in(i)) for i in range(graph.n_in())]
     y, worth = graph.call(point)[0][output], ca.SX.sym("worth", 2)
+    if _sees(y, point[0]) and not ca.jacobian(y, point[0]).nnz():
+        report = library.manifest.reports[output]
+        raise LtcgearError(
+            f"--output {report.quantity}:{report.item}: it jumps between values and stays as it is between, so "
+            "that nothing tells how its mean moves; take a force or a deflection"
+        )
     return _gradients("report_gradient", worth[0] * y + worth[1] * y**2 / 2, point, worth)
+
+
+def _sees(y: ca.SX, x: ca.SX) -> bool:
+    """Tell whether an expression holds any of some symbols, if only within a step."""
+    return bool({v.element_hash() for v in ca.symvar(y)} & {v.element_hash() for v in ca.vertsplit(x)})
 
 
 def _gradients(name: str, value: ca.SX, point: list[ca.SX], weights: ca.SX) -> ca.Function:

@@ -88,6 +88,11 @@ def difference(c, i, h, *run, sides=(1, -1)):
             1e-7,
         ),
         (
+            "hard-dead-band", (*HAMMERING, 'effects.mesh_damping = "on"', "stages.pair.mesh.damping_ratio = 0.1"),
+            ("mesh_force:pair.mesh", "rms", 0.005, 0.012),
+            ("backlash", "transmission_error_cos_1", "reference.speed", "output.inertia", "mesh.damping"), 1e-7,
+        ),
+        (
             "start-up", (), ("coupling_torque:slow", "rms", 0.1, 0.14),
             ("breakdown_torque", "slow.stiffness", "generator.inertia", "slow.damping"), 1e-4,
         ),
@@ -180,6 +185,11 @@ def test_what_cannot_be_measured_is_refused():
     ):
         with pytest.raises(LtcgearError, match=reason):
             find_output(c.library.manifest, wanted)
+
+
+def test_an_output_that_is_a_step_is_refused():
+    with pytest.raises(LtcgearError, match=r"mesh_contact:pair\.mesh: it jumps"):
+        differentiate(case("hard-dead-band", *HAMMERING), "mesh_contact:pair.mesh", start=0.0, t_end=0.001)
 
 
 def test_ranking_puts_sizes_first_and_leaves_out_what_is_whole():
