@@ -144,7 +144,7 @@ def report_gradient(library: Library, output: int) -> ca.Function:
     graph = library.graphs["outputs"]
     point = [ca.SX.sym(graph.name_in(i), graph.sparsity_in(i)) for i in range(graph.n_in())]
     y, worth = graph.call(point)[0][output], ca.SX.sym("worth", 2)
-    if _sees(y, point[0]) and not ca.jacobian(y, point[0]).nnz():
+    if _sees(y, point[0]) and not ca.sparsify(ca.jacobian(y, point[0])).nnz():
         report = library.manifest.reports[output]
         raise LtcgearError(
             f"--output {report.quantity}:{report.item}: it jumps between values and stays as it is between, so "
