@@ -1,7 +1,7 @@
 """The command that tells what to change: sensitivity."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 from ltcgear.generated.errors import LtcgearError
@@ -9,10 +9,7 @@ from ltcgear.generated.errors import LtcgearError
 from .. import present
 from ..options import AsJson, Changes, EndTime, Method, SceneName
 from .app import app
-from .opening import Opened, compile_model, open_scene
-
-if TYPE_CHECKING:
-    from ..library import Library
+from .opening import compile_model, open_scene
 
 ModeNumber = Annotated[
     int | None,
@@ -48,6 +45,7 @@ def sensitivity(
     top: Top = None, file: Listing = None, changes: Changes = None, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell what to change: how eigenfrequencies, or an output of a simulation, follow every parameter."""
+    from ..sensitivity.items import list_modes, list_output
     from ..sensitivity.listing import check_listing, make_tables, write_listing
     from ..simulation import check_options
 
@@ -58,80 +56,14 @@ def sensitivity(
     check_options(method, rtol, t_end)
     opened = open_scene(scene, changes)
     library = compile_model(opened)
+    p, tables = library.parameters(opened.model.values()), opened.model.tables
     if output is None:
-        data = {"scene": opened.scene.name, **_modes(opened, library, mode)}
+        found = list_modes(library, p, tables, mode)
     else:
         end = t_end if t_end is not None else opened.scene.simulation.t_end
-        first = start if start is not None else end / 2
-        data = {"scene": opened.scene.name, **_output(opened, library, output, measure, (first, end), method, rtol)}
+        window = (start if start is not None else end / 2, end)
+        found = list_output(library, p, tables, output, measure=measure, window=window, method=method, rtol=rtol)
+    data = {"scene": opened.scene.name, **found}
     shown = top or (10 if len(data["items"]) <= 2 else 3)
     files = [] if file is None else [write_listing(data, file, top or 10)]
     present.show(as_json, data, lambda listed: present.listed(make_tables(listed, shown), files))
-
-
-def _modes(opened: Opened, library: "Library", mode: int | None) -> dict[str, Any]:
-    """Return how eigenfrequencies follow the parameters."""
-    from ..equilibrium import find_equilibrium
-    from ..linear.modes import find_modes
-    from ..linear.sensitivity import differentiate_modes
-    from ..linear.system import linearise
-    from ..sensitivity.ranking import list_influences
-
-    p = library.parameters(opened.model.values())
-    linear = linearise(library, p, find_equilibrium(library, p, tables=opened.model.tables))
-    modes = find_modes(linear)
-    if mode is not None and mode > len(modes):
-        raise LtcgearError(f"--mode {mode}: {opened.scene.name} has {len(modes)} modes; `ltcgear modes` lists them")
-    if mode is not None and modes[mode - 1].kind == "rigid":
-        raise LtcgearError(f"--mode {mode}: a rigid-body mode, 0 Hz whatever the parameters; give another")
-    items = []
-    for found in differentiate_modes(linear, modes, None if mode is None else [mode]):
-        many = f", {found.repeated} alike" if found.repeated > 1 else ""
-        beside = {"damping ratio": found.damping_ratio}
-        rows = list_influences(library.manifest, p, found.mode.frequency_hz, found.frequency_hz, beside)
-        items.append(
-            {
-                "name": f"mode {found.number} ({found.mode.kind}{many})", "mode": found.number, "unit": "Hz",
-                "value": found.mode.frequency_hz, "damping_ratio": found.mode.damping_ratio, "class": found.mode.kind,
-                "repeated": found.repeated, "influences": [row.to_json() for row in rows],
-            }
-        )  # fmt: skip
-    return {"title": "what moves its eigenfrequencies", "unit": "Hz", "items": items}
-
-
-def _output(
-    opened: Opened, library: "Library", output: str, measure: str, window: tuple[float, float], method: str, rtol: float
-) -> dict[str, Any]:
-    """Return how an output of a simulation follows the parameters."""
-    from ..choice import choose
-    from ..equilibrium import find_equilibrium
-    from ..sensitivity.adjoint import differentiate_output
-    from ..sensitivity.ranking import is_continuous, list_influences
-    from ..sensitivity.worth import check_measure, find_output
-    from ..simulation import AUTO
-
-    (start, end), tables = window, opened.model.tables
-    check_measure(measure, start, end)
-    place = find_output(library.manifest, output)
-    p = library.parameters(opened.model.values())
-    at = find_equilibrium(library, p, tables=tables)
-    chosen = choose(library, at, p, rtol).method if method == AUTO else method
-    found = differentiate_output(
-        library, p, at, place, measure=measure, start=start, t_end=end, method=chosen, rtol=rtol, tables=tables
-    )
-    unit = library.manifest.reports[place].unit
-    rows = list_influences(library.manifest, p, found.value, found.gradient)
-    sided = [name for name in found.one_sided if is_continuous(name)]
-    notes = [f"starts on a border of its mesh, derivative for a phase that has gone on: {', '.join(sided)}"] * bool(
-        sided
-    )
-    notes += [
-        f"a jump falls on t = {t:g} s, derivatives hold to one side: move it with --from or --t-end"
-        for t in found.edges
-    ]
-    item = {
-        "name": f"{measure} of {output}, {start:g} to {end:g} s", "unit": unit, "value": found.value,
-        "method": chosen, "pieces": found.pieces, "steps": found.steps, "one_sided": sided,
-        "notes": notes, "influences": [row.to_json() for row in rows],
-    }  # fmt: skip
-    return {"title": f"what moves the {measure} of {output}", "unit": unit, "items": [item]}
