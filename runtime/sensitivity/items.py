@@ -20,6 +20,9 @@ from .ranking import is_continuous, list_influences
 from .worth import check_measure, find_output
 
 Vector = NDArray[np.float64]
+OVERDAMPED = (
+    "does not oscillate: what is given is the rate at which it decays or grows over 2 pi, the slower one of two"
+)
 
 
 def list_modes(
@@ -53,12 +56,14 @@ def list_modes(
 def _mode(library: Library, p: Vector, found: ModeDerivative) -> dict[str, Any]:
     """Return how one eigenfrequency follows the parameters."""
     mode, many = found.mode, f", {found.repeated} alike" if found.repeated > 1 else ""
-    beside = {"damping ratio": found.damping_ratio}
-    rows = list_influences(library.manifest, p, mode.frequency_hz, found.frequency_hz, beside)
+    value = abs(mode.eigenvalue) / (2 * np.pi)
+    notes = [OVERDAMPED] if mode.eigenvalue.imag == 0 else []
+    beside = {"damping ratio": found.damping_ratio} if not notes else {}
+    rows = list_influences(library.manifest, p, value, found.frequency_hz, beside)
     return {
-        "name": f"mode {found.number} ({mode.kind}{many})", "mode": found.number, "unit": "Hz",
-        "value": mode.frequency_hz, "damping_ratio": mode.damping_ratio, "class": mode.kind,
-        "repeated": found.repeated, "notes": [], "influences": [row.to_json() for row in rows],
+        "name": f"mode {found.number} ({mode.kind}{many})", "mode": found.number, "unit": "Hz", "value": value,
+        "damping_ratio": mode.damping_ratio, "class": mode.kind, "repeated": found.repeated, "notes": notes,
+        "influences": [row.to_json() for row in rows],
     }  # fmt: skip
 
 

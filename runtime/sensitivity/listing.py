@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.errors import LtcgearError
 
+from ..plots import BLUE, VERMILLION
 from ..results import check_target
 from ..tables import Table
 
@@ -117,19 +118,8 @@ def _write_csv(data: dict[str, Any], path: Path) -> None:
     beside = list(dict.fromkeys(name for item in data["items"] for row in item["influences"] for name in row["beside"]))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(
-            [
-                "name",
-                "number",
-                "number_unit",
-                "parameter",
-                "value",
-                "unit",
-                "derivative",
-                "percent_for_percent",
-                *beside,
-            ]
-        )
+        about = ["name", "number", "number_unit", "parameter", "value", "unit", "kind"]
+        writer.writerow([*about, "derivative", "percent_for_percent", *beside])
         for item in data["items"]:
             for row in item["influences"]:
                 given = [row["parameter"], row["value"], row["unit"], row["kind"], row["derivative"], row["relative"]]
@@ -140,8 +130,9 @@ def _draw(data: dict[str, Any], path: Path, top: int) -> None:
     """Draw the strongest sizes of the first numbers as bars."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
-    items = data["items"][:PANELS]
+    items = _unlike(data["items"], top)[:PANELS]
     columns = min(len(items), 2)
     rows = -(-len(items) // columns)
     figure = Figure(figsize=(7.5 * columns, rows * (1.0 + 0.28 * top) + 0.6), layout="constrained")
@@ -151,17 +142,26 @@ def _draw(data: dict[str, Any], path: Path, top: int) -> None:
     for axes in figure.axes[len(items) :]:
         axes.set_visible(False)
     figure.suptitle(f"{data['scene']}: {data['title']}", x=0.01, ha="left", fontsize=12)
+    handles = [Patch(color=colour, label=label) for label, colour in (("raises it", BLUE), ("lowers it", VERMILLION))]
+    figure.legend(handles=handles, loc="outside lower right", ncols=2, frameon=False, fontsize=9)
     figure.savefig(path, dpi=150)
+
+
+def _unlike(items: list[Item], top: int) -> list[Item]:
+    """Leave out what shows the same bars as the one before: modes that are alike."""
+    shown: list[Item] = []
+    for item in items:
+        before = shown and [(row["parameter"], f"{row['relative']:.5f}") for row in chosen(shown[-1], "size")[:top]]
+        if before != [(row["parameter"], f"{row['relative']:.5f}") for row in chosen(item, "size")[:top]]:
+            shown.append(item)
+    return shown
 
 
 def _bars(axes: Axes, item: Item, top: int) -> None:
     """Draw the strongest sizes of one number, those that raise it in one colour, those that lower it in another."""
-    from ..plots import BLUE, VERMILLION
-
     shown = chosen(item, "size")[:top]
-    for raises, colour, label in ((True, BLUE, "raises it"), (False, VERMILLION, "lowers it")):
-        bars = [(k, row["relative"]) for k, row in enumerate(shown) if (row["relative"] > 0) == raises]
-        axes.barh([k for k, _ in bars], [value for _, value in bars], 0.7, color=colour, label=label)
+    colours = [BLUE if row["relative"] > 0 else VERMILLION for row in shown]
+    axes.barh(range(len(shown)), [row["relative"] for row in shown], 0.7, color=colours)
     axes.set_yticks(range(len(shown)), [row["parameter"] for row in shown], fontsize=9)
     axes.invert_yaxis()
     axes.axvline(0.0, color="black", lw=0.8)
@@ -170,5 +170,3 @@ def _bars(axes: Axes, item: Item, top: int) -> None:
     axes.grid(axis="x", alpha=0.3, lw=0.5)
     axes.set_axisbelow(True)
     axes.spines[["top", "right"]].set_visible(False)
-    if shown:
-        axes.legend(loc="lower right", frameon=False, fontsize=8)

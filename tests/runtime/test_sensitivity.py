@@ -9,6 +9,7 @@ from ltcgear.runtime.library import build
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.sensitivity import differentiate_modes
 from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.sensitivity.items import list_modes
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.model import Parameter
 from ltcgear.symbolic.pipeline import generate
@@ -16,7 +17,7 @@ from ltcgear.symbolic.scene import make_scene
 
 from reference import lin_parker
 
-from .models import Case, case, raw_scene
+from .models import Case, case, make_case, raw_scene
 
 EXACT, ROUNDING = 1e-6, 2e-13
 """Relative error of derivatives; what rounding takes of an eigenvalue, over the largest."""
@@ -24,6 +25,10 @@ TORQUE_DRIVEN = (
     "-loads.input.speed",
     'loads.input.torque = "-2.9e4 N*m"',
     'loads.input.initial_speed = "-639 rpm"',
+)
+OVERDAMPED = (
+    "-stages.psh.output.bearing.damping_ratio",
+    'stages.psh.output.bearing.damping = "1.5e6 N*s/m"',
 )
 SWITCHES = ("varying", "pull", "closing")
 """Parameters that are no numbers of a gearbox: they choose what is computed."""
@@ -105,6 +110,7 @@ def check_against_differences(c, chosen, every=1, turn=None):
         ("psh", (), [1, 2, 3, 4, 5], None),
         ("psh", (), [1, 3], 0.013),
         ("psh", ('effects.contact = "backlash"', 'effects.gravity = "on"', 'effects.mesh_law = "paper"'), [1, 2], None),
+        ("psh", OVERDAMPED, [1, 2, 3, 4, 5], None),
         ("hsp", (), [5, 9], None),
         ("lin-parker-4", (), [3, 4, 5], None),
         ("start-up", (), [1, 4], None),
@@ -205,3 +211,31 @@ def test_a_pair_splits_as_predicted():
     assert gap > 1e-5
     for value in predicted:
         assert np.abs(found - value).min() < 1e-3 * gap
+
+
+def test_an_overdamped_mode_is_told_by_its_slower_part():
+    c = case("psh", *OVERDAMPED)
+    items = list_modes(c.library, c.p)["items"]
+    slow = [item for item in items if item["notes"]]
+    assert slow
+    values = np.abs(np.linalg.eigvals(linear_of(c).scaled()).real) / (2 * np.pi)
+    for item in slow:
+        assert np.abs(values / item["value"] - 1).min() < 1e-9
+
+
+# --- loose trains
+
+
+def test_a_torque_that_unbalances_has_no_derivative():
+    """Two gears that roll on each other without a support: with one torque changed nothing balances."""
+    raw = raw_scene("psh")
+    raw["loads"] = {
+        "a": {"member": "psh.input", "torque": "1000 N*m"},
+        "b": {"member": "psh.output", "torque": f"{1000 * 21 / 59} N*m"},
+    }
+    raw["effects"] = {"mesh_stiffness": "mean"}
+    c = make_case(raw)
+    for item in derivatives(c):
+        lost = {n for (n, _), v in zip(c.library.manifest.parameters, item.eigenvalue, strict=True) if np.isnan(v)}
+        assert {"loads.a.torque", "loads.b.torque"} <= lost
+        assert not lost & {"psh.mesh.stiffness", "psh.input.mass", "psh.output.bearing.stiffness"}
