@@ -97,10 +97,10 @@ def _shifts(linear: Linear, gradients: Gradients, balance: Balance, modes: list[
         for k, v in enumerate(right):
             matrix[i, k] = _product(linear, gradients, balance, v, w, moving)
     if len(modes) == 1:
-        return matrix[0]
+        return np.asarray(matrix[0])
     undefined = np.isnan(matrix).any(axis=(0, 1))
     matrix[:, :, undefined] = 0.0
-    shifts = np.linalg.eigvals(matrix.transpose(2, 0, 1)).T
+    shifts: Complex = np.linalg.eigvals(matrix.transpose(2, 0, 1)).astype(np.complex128).T
     shifts[:, undefined] = np.nan
     value = np.mean([mode.eigenvalue for mode in modes])
     order = np.argsort(-(np.conj(value) * shifts).real, axis=0, kind="stable")

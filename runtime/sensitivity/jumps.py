@@ -112,11 +112,11 @@ class Jumps:
         if len(changed):
             return
         sides = before.sides.copy()
-        for border in flipped:
-            sides[border] = after.sides[border]
+        for hold in flipped:
+            sides[hold] = after.sides[hold]
             p = self._with_sides(setting[1], sides)
             weights = np.zeros(len(sides))
-            weights[border] = 1.0
+            weights[hold] = 1.0
             h_x, h_s, h_p = (part.copy() for part in self.border(x, *setting, weights))
             yield (h_x, h_s, h_p), setting, (setting[0], p)
             setting = (setting[0], p)

@@ -149,12 +149,8 @@ def _draw(data: dict[str, Any], path: Path, top: int) -> None:
 
 def _unlike(items: list[Item], top: int) -> list[Item]:
     """Leave out what shows the same bars as the one before: modes that are alike."""
-    shown: list[Item] = []
-    for item in items:
-        before = shown and [(row["parameter"], f"{row['relative']:.5f}") for row in chosen(shown[-1], "size")[:top]]
-        if before != [(row["parameter"], f"{row['relative']:.5f}") for row in chosen(item, "size")[:top]]:
-            shown.append(item)
-    return shown
+    bars = [[(row["parameter"], f"{row['relative']:.5f}") for row in chosen(item, "size")[:top]] for item in items]
+    return [item for k, item in enumerate(items) if k == 0 or bars[k] != bars[k - 1]]
 
 
 def _bars(axes: Axes, item: Item, top: int) -> None:
