@@ -181,7 +181,7 @@ def _relaxed(library: Library, p: Vector, levels: Vector, signals: Vector) -> Ve
     def stiffness(x: Vector, p: Vector) -> Vector:
         return -_dense(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
 
-    scale = _scale(library, stiffness(start, pulling(library, p)))
+    scale = unit_scale(library, stiffness(start, pulling(library, p)))
 
     def placed(q: Vector) -> Vector:
         x = start.copy()
@@ -254,7 +254,7 @@ def state_matrix(library: Library, x: Vector, s: Vector, p: Vector) -> Vector:
     return _dense(library, Kernel(library.functions["jac_rhs"])(x, s, p, 0.0)[0])
 
 
-def _scale(library: Library, stiffness: Vector) -> Vector:
+def unit_scale(library: Library, stiffness: Vector) -> Vector:
     """Return what brings the stiffness of every freedom to 1, so that stiff and soft, x and u can be compared."""
     diagonal, kinds = np.abs(np.diag(stiffness)), _turning(library)
     for kind in (True, False):
@@ -269,7 +269,7 @@ def _solve(library: Library, stiffness: Vector, force: Vector, place: Vector, lo
     A freedom may be loose: gears that turn together, a member within its gap. There the forces must balance, but
     for rounding: that of a length of ``OPEN`` times ``ROUNDING``, and of the springs' own forces.
     """
-    scale = _scale(library, stiffness)
+    scale = unit_scale(library, stiffness)
     if len(force) > LARGE:
         quick = _solve_sparse(stiffness * np.outer(scale, scale), force * scale)
         if quick is not None:

@@ -56,6 +56,8 @@ class March:
         Samples to take after the first, and how many a second [Hz].
     signals
         The load signals.
+    dense
+        Whether all arcs shall have nodes between which their path can be read, even where nothing switches or bends.
 
     Attributes
     ----------
@@ -74,7 +76,7 @@ class March:
 
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
-        signals: Signals,
+        signals: Signals, dense: bool = False,
     ) -> None:  # fmt: skip
         self.library, self.signals, self.rtol = library, signals, rtol
         names = [state.name for state in library.manifest.states]
@@ -88,7 +90,7 @@ class March:
         self.p = native.share("p", self.clocks.parameters(self.turns))
         self.frame = Frame(at.x, vibration_scale(library, at, self.p))
         self.z = native.share("z", np.zeros(len(at.x)))
-        self._lay_out(method, samples, rate)
+        self._lay_out(method, samples, rate, dense)
         self._set_levels(names)
         self._set_regimes(signals.at(0.0), self.angle if self.angle >= 0 and "reference.speed" not in names else None)
         self._set_room(samples, rate)
@@ -101,7 +103,7 @@ class March:
         self.broken: BaseException | None = None
         self.first_energy = self.energy(self.z, self.cells, signals.at(0.0))
 
-    def _lay_out(self, method: str, samples: int, rate: float) -> None:
+    def _lay_out(self, method: str, samples: int, rate: float, dense: bool) -> None:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
         A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
@@ -111,7 +113,7 @@ class March:
         state, share, manifest = self.state, self.native.share, self.library.manifest
         quickest = fastest(self.library, self.at, self.p)
         self.nodes: Nodes
-        if manifest.levels or manifest.signals or manifest.holds:
+        if dense or manifest.levels or manifest.signals or manifest.holds:
             count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
             self.nodes = nodes = Chebyshev(count)
             state.longest = min(turn / quickest, CAPACITY / 2 / rate)
@@ -167,10 +169,10 @@ class March:
         sizes: dict[str, Any] = {
             **dict.fromkeys(("zeros", "x", "y", "y_after", "trial", "rate", "z_near", "z_far"), n),
             **dict.fromkeys(("now", "after", "ahead"), 3 * meshes),
-            **dict.fromkeys(("gain", "changed"), meshes),
+            **dict.fromkeys(("gain", "changed", "arc_cells"), meshes),
             **dict.fromkeys(("s", "s_now", "s_end"), meshes + state.n_signals),
             **dict.fromkeys(("signals", "signals_knot", "slope", "signals_end"), state.n_signals),
-            **dict.fromkeys(("g_now", "g_start", "g_slope", "g_noise", "new_sides"), holds),
+            **dict.fromkeys(("g_now", "g_start", "g_slope", "g_noise", "new_sides", "arc_sides"), holds),
             **{"node_values": nodes * holds, "fine_values": (FINE + 1) * holds, "node_work": nodes},
             **{"stages": (STAGES, n), "power": STAGES, "balance": 5, "path": (nodes, n)},
             **dict.fromkeys(("forces", "arc_lowest"), len(forces)),

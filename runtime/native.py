@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .library import Library, load
 from .switching import AT_BORDER
 
-SOURCES = ("head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c", "rows.c")
+SOURCES = ("head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c", "rows.c", "adjoint.c")
 NEEDED = "simulating needs a C compiler, and none was found; install gcc or clang, or name one with CC"
 FAULTS = (
     "",
@@ -53,8 +53,8 @@ SHARED = (
     ("passing", "reals", "sample_x sample_time sample_levels s path node_work x y y_after trial stages power rate"),
     ("passing", "reals", "balance forces seen_time seen_forces arc_lowest arc_steady now after ahead gain"),
     ("passing", "reals", "s_now s_end signals_end z_near z_far g_now g_start g_slope g_noise node_values fine_values"),
-    ("passing", "wholes", "changed"),
-    ("passing", "bytes", "new_sides"),
+    ("passing", "wholes", "changed arc_cells"),
+    ("passing", "bytes", "new_sides arc_sides"),
 )
 """Role, kind and names of all that C and Python share, in the order of both structures."""
 FIELDS = tuple((name, kind, role) for role, kind, names in SHARED for name in names.split())

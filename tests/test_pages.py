@@ -1,6 +1,7 @@
 """Tables of docs/: what they print is what the code computes."""
 
 import json
+import re
 from importlib import import_module
 from math import pi
 
@@ -342,3 +343,19 @@ def test_resonances_of_the_rig(benchmarks):
         assert (page[0], page[4]) == (now[0], now[4])
         for place in (1, 2, 5, 6):
             assert float(page[place]) == pytest.approx(float(now[place]), rel=1e-3, abs=0.011)
+
+
+# --- sensitivities
+
+
+def test_sensitivities(benchmarks):
+    page = benchmarks("sensitivities")
+    modes, output = page.measure()
+    for name, made in (("modes", page.modes_table(modes)), ("output", page.output_table(output))):
+        _, lines = rows(page, name)
+        wanted = made.splitlines(keepends=True)[2:]
+        assert len(lines) == len(wanted)
+        for line, other in zip(lines, wanted, strict=True):
+            one, two = (re.split(r"([+-]?\d+\.\d+)", text) for text in (line, other))
+            assert one[::2] == two[::2]
+            assert [float(v) for v in one[1::2]] == pytest.approx([float(v) for v in two[1::2]], rel=1e-3, abs=2e-3)

@@ -143,6 +143,8 @@ static int arrive(march *m) {
   const double start = m->time;
   int fault;
   keep_extremes(m);
+  memcpy(m->arc_cells, m->cells, (size_t)m->n_levels * sizeof *m->cells);
+  memcpy(m->arc_sides, m->sides, (size_t)m->n_holds);
   change_sides(m, m->new_sides);
   ltcgear_pass(m, m->reached, m->knot);
   m->work += m->node_work[m->n_nodes - 1];

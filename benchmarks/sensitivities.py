@@ -1,0 +1,75 @@
+"""What to change on the rig: the parameters that move its first modes and the vibration of its last mesh.
+
+Run as ``python -m benchmarks.sensitivities``; it writes the tables of docs/sensitivities.md and their figures.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from ltcgear.runtime.library import Library, build
+from ltcgear.runtime.sensitivity.items import list_modes, list_output
+from ltcgear.runtime.sensitivity.listing import chosen, write_listing
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.model import Model
+from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.scene import load_scene
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "sensitivities.md"
+FIGURES = PAGE.parent / "images"
+BEGIN, END = "<!-- {} -->\n", "<!-- end -->\n"
+SCENE, MODES, TOP = "rig-2mw", 8, 3
+OUTPUT, MEASURE, WINDOW = "mesh_force:psh.mesh", "vibration", (0.1, 0.2)
+SHOWN = 6
+"""Bars in a panel."""
+
+
+def opened() -> tuple[Library, Model]:
+    """Build the rig."""
+    model = build_model(load_scene(SCENE))
+    return build(obtain(model)), model
+
+
+def modes_table(data: dict[str, Any]) -> str:
+    """Return the strongest parameters of the first modes in Markdown."""
+    text = "| mode | Hz | class | % for 1 % |\n|---|---|---|---|\n"
+    for item in data["items"][:MODES]:
+        strongest = ", ".join(f"{row['parameter']} {row['relative']:+.3f}" for row in chosen(item, "size")[:TOP])
+        text += f"| {item['mode']} | {item['value']:.2f} | {item['class']} | {strongest} |\n"
+    return text
+
+
+def output_table(data: dict[str, Any]) -> str:
+    """Return the strongest parameters of the output in Markdown."""
+    text = "| parameter | value | % for 1 % |\n|---|---|---|\n"
+    for row in chosen(data["items"][0], "size")[:SHOWN]:
+        text += f"| {row['parameter']} | {row['value']:.4g} {row['unit']} | {row['relative']:+.2f} |\n".replace(
+            "  |", " |"
+        )
+    return text
+
+
+def measure() -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what moves modes and output."""
+    library, model = opened()
+    p = library.parameters(model.values())
+    modes = {"scene": SCENE, **list_modes(library, p, model.tables)}
+    settings = {"measure": MEASURE, "window": WINDOW, "method": "auto", "rtol": 1e-8}
+    return modes, {"scene": SCENE, **list_output(library, p, model.tables, OUTPUT, **settings)}
+
+
+def main() -> None:
+    """Write tables and figures."""
+    modes, output = measure()
+    text = PAGE.read_text("utf-8")
+    for name, made in (("modes", modes_table(modes)), ("output", output_table(output))):
+        begin = BEGIN.format(name)
+        before, rest = text.split(begin)
+        text = before + begin + made + END + rest.split(END, 1)[1]
+        print(made)
+    PAGE.write_text(text, "utf-8")
+    write_listing(modes, FIGURES / "sensitivities-modes.png", SHOWN)
+    write_listing(output, FIGURES / "sensitivities-output.png", SHOWN)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,97 @@
+"""Ranking: derivatives with respect to all parameters as rows, the strongest first."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from ltcgear.generated.contract import Manifest
+from numpy.typing import NDArray
+
+Vector = NDArray[np.float64]
+FIXED = (
+    "hold.", "contact.pull", "phase.varying", "bearing.closing", "bearing.rounding", "origin",
+)  # fmt: skip
+"""How the parameters begin that choose what is computed and are no numbers of a gearbox."""
+WHOLE = ("speed_ratio", "teeth_1", "teeth", "tooth", "cycles", "flank", "other_flank")
+"""Last parts of names of what follows from whole numbers of teeth and from sides: it cannot change by a little."""
+GEOMETRY = (
+    "base_radius_1", "base_radius_2", "center_distance", "path_middle", "x_0", "y_0", "e_x", "e_y", "phase",
+    "rolled_phase", "turned", "opened", "static_moment_x", "static_moment_y",
+)  # fmt: skip
+"""Last parts of names of what teeth and module tie to each other, and of what says where something is."""
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What one parameter does to a number.
+
+    Attributes
+    ----------
+    parameter, value, unit
+        Name, value in SI, SI unit.
+    kind
+        ``size``: something that can be chosen by itself, a stiffness, a mass, a load; or ``geometry``: a radius, which
+        is tied to others by the teeth, a place, an angle or a phase.
+    derivative
+        Change of the number over that of the parameter, SI.
+    relative
+        Change in percent for one percent of the parameter; None where either is zero.
+    beside
+        Derivatives of other numbers by name, times the parameter for a size (change for 100 %).
+    """
+
+    parameter: str
+    value: float
+    unit: str
+    kind: str
+    derivative: float
+    relative: float | None
+    beside: dict[str, float]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        return vars(self) | {"beside": dict(self.beside)}
+
+
+def is_continuous(name: str) -> bool:
+    """Tell whether a parameter can change by a little, so that it has a derivative that means something."""
+    return not name.startswith(FIXED) and name.rsplit(".", 1)[-1] not in WHOLE
+
+
+def is_size(name: str, unit: str, value: float) -> bool:
+    """Tell whether a parameter is a size that can be chosen by itself: no place, angle or phase."""
+    return value != 0 and unit != "rad" and name.rsplit(".", 1)[-1] not in GEOMETRY
+
+
+def list_influences(
+    manifest: Manifest, p: Vector, number: float, derivative: Vector, beside: dict[str, Vector] | None = None
+) -> list[Influence]:
+    """List what all parameters do to a number: sizes first, then geometry by its unit, the strongest first.
+
+    Parameters
+    ----------
+    manifest, p
+        The model's parameters and their values.
+    number, derivative
+        The number, and its derivatives with respect to all parameters, shape (n_p,); NaN for those without one,
+        which stand last.
+    beside
+        Derivatives of other numbers, by name.
+    """
+    found = []
+    for i, (name, unit) in enumerate(manifest.parameters):
+        if not is_continuous(name):
+            continue
+        value, slope = float(p[i]), float(derivative[i])
+        size = is_size(name, unit, value)
+        relative = slope * value / number if value and number else None
+        others = {key: float(each[i]) * (value if size else 1.0) for key, each in (beside or {}).items()}
+        found.append(Influence(name, value, unit, "size" if size else "geometry", slope, relative, others))
+    return sorted(found, key=_order)
+
+
+def _order(item: Influence) -> tuple[bool, bool, str, float]:
+    """Return what influences are sorted by."""
+    size = item.kind == "size"
+    strength = abs(item.derivative * (item.value if size else 1.0))
+    return not size, np.isnan(strength), "" if size else item.unit, -strength
