@@ -1,14 +1,17 @@
 """Modes of the rig beside the paper's Table 8, and what modes of a long train take: writes docs/modes.md's tables.
 
-Run as ``OPENBLAS_NUM_THREADS=1 python -m benchmarks.modes``; it takes some minutes, most of them to compile.
+Run as ``OPENBLAS_NUM_THREADS=1 python -m benchmarks.modes``; it takes a minute.
 """
 
 import json
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from time import perf_counter
 from typing import Any
+from unittest.mock import patch
 
+from ltcgear.generated import store
 from ltcgear.runtime.comparison import published
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.library import Library, build
@@ -32,7 +35,7 @@ from .growth.scenes import stage_keys
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE, DATA, FIGURE = DOCS / "modes.md", DOCS / "data" / "modes.json", DOCS / "images" / "modes-rig.png"
 BEGIN, END = "<!-- {} -->\n", "<!-- end {} -->\n"
-STAGES, PLANETS, FEW, ROUNDS = 14, 12, 40, 5
+STAGES, PLANETS, FEW, ROUNDS = 15, 12, 40, 5
 DRAWN = [1, 2, 3, 5, 10, 35]
 """Modes of the figure: one of each kind of motion."""
 NEAR = 0.01
@@ -138,7 +141,9 @@ def measure() -> dict[str, Any]:
     found: dict[str, Any] = {"machine": describe_machine(), "cases": {}}
     for name, (scene, count) in cases.items():
         model = build_model(scene)
-        library = build(obtain(model))
+        # To compile the long train's C takes minutes, and its functions are called a few times only.
+        with nullcontext() if count is None else patch.object(store, "compiler", return_value=None):
+            library = build(obtain(model))
         rounds = [_round(library, model, count) for _ in range(ROUNDS)]
         seconds = {key: min(one[key] for one in rounds) for key in rounds[0]}
         members = sum(body.inertia is not None for body in model.bodies)

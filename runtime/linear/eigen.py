@@ -141,6 +141,7 @@ def _few(matrix: csc_array, rates: csr_array, count: int, wanted: int) -> Found 
         if len(inside) != len(within) or rigid.shape[1] + (values[inside].imag >= 0).sum() < count:
             return None
         values, right, left = values[inside], right[:, inside], left[:, within].conj()
+        right = _parted(right, _groups(values))
         left = left @ np.linalg.inv(left.conj().T @ right).conj().T
         # unless a copy of a repeated eigenvalue was overlooked: look once more, at what those found leave.
         rest, _ = _about(matrix, shift, zeros + 2, lambda b: _without(factors.solve(b), right, left), ROUGH)
@@ -151,6 +152,14 @@ def _few(matrix: csc_array, rates: csr_array, count: int, wanted: int) -> Found 
         if np.sort(np.abs(rest))[zeros] < (1 - ROUGH) * reach
         else (values, right, left, rigid, top, 2 * rigid.shape[1] - zeros)
     )
+
+
+def _parted(vectors: Complex, groups: NDArray[np.int64]) -> Complex:
+    """Return orthonormal vectors for every repeated eigenvalue: Arnoldi's are almost the same for all its copies."""
+    for group in range(groups.max(initial=-1) + 1):
+        same = np.flatnonzero(groups == group)
+        vectors[:, same] = np.linalg.qr(vectors[:, same])[0]
+    return vectors
 
 
 def _without(vector: Vector, right: Complex, left: Complex) -> Vector:
@@ -224,4 +233,4 @@ def _orthogonal(vectors: Complex, weights: Vector) -> Complex:
         return vectors
     triangle = np.linalg.qr(weights @ vectors, mode="r")
     diagonal = np.abs(np.diag(triangle))
-    return vectors @ np.linalg.inv(triangle) if diagonal.min() > 1e-6 * diagonal.max() else vectors
+    return vectors @ np.linalg.inv(triangle / diagonal.max()) if diagonal.min() > 1e-6 * diagonal.max() else vectors

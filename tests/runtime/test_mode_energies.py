@@ -105,3 +105,15 @@ def test_a_member_that_is_not_held_sideways_is_called_after_its_mesh():
     assert {mode.name for mode in modes if next(iter(mode.members)) == "gear.sun"} == {
         "gear.sun against gear planets over gear.sun_planet"
     }
+
+
+def test_equal_meshes_share_as_the_squares_of_their_deflections():
+    """U = k delta^2 / 2 of every mesh of an unloaded gear, with the printed k."""
+    linear, modes = described("lin-parker-4")
+    energies, deflections = Energies(linear), linear.outputs("mesh_deflection")
+    for mode in modes[1:]:
+        found = energies.of_shape(mode.shape)
+        total = sum(found.values())
+        for mesh, row in deflections.items():
+            wanted = lin_parker.K_MESH["sun"] * abs(row @ mode.shape) ** 2 / 2
+            assert found[mesh] == pytest.approx(wanted, rel=1e-9, abs=1e-12 * total)
