@@ -7,6 +7,8 @@ import numpy as np
 from ltcgear.generated.contract import HELD
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import LinearOperator, onenormest, splu
 
 from .continuation import follow
 from .kernel import Kernel
@@ -27,6 +29,8 @@ VARYING = "phase.varying"
 """The parameter that lets stiffness and errors vary with the mesh phase; 1 in every run, 0 for their means."""
 LOOSE = 4 * np.finfo(float).eps
 """Share of the largest singular value, for each freedom, below which a motion meets no stiffness but rounding."""
+LARGE = 100
+"""Freedoms above which a step is tried by sparse elimination first."""
 OPEN = 1e-9
 """Share of the forces at work by which those on a loose motion may miss their balance."""
 SLIGHT = 0.1
@@ -266,6 +270,10 @@ def _solve(library: Library, stiffness: Vector, force: Vector, place: Vector, lo
     for rounding: that of a length of ``OPEN`` times ``ROUNDING``, and of the springs' own forces.
     """
     scale = unit_scale(library, stiffness)
+    if len(force) > LARGE:
+        quick = _solve_sparse(stiffness * np.outer(scale, scale), force * scale)
+        if quick is not None:
+            return np.asarray(scale * quick)
     left, singular, right = np.linalg.svd(stiffness * scale[:, None] * scale[None, :])
     loose = singular <= LOOSE * len(force) * singular[0]
     push = np.abs(left[:, loose].T @ (force * scale))
@@ -277,6 +285,25 @@ def _solve(library: Library, stiffness: Vector, force: Vector, place: Vector, lo
             raise SolverError(_unrestrained(library, push @ np.abs(right[loose] * scale), part))
     inverse = np.where(loose, 0.0, 1.0 / np.where(loose, 1.0, singular))
     return np.asarray(scale * (right.T @ (inverse * (left.T @ (force * scale)))))
+
+
+def _solve_sparse(stiffness: Vector, force: Vector) -> Vector | None:
+    """Solve by sparse elimination; None where a motion may be loose, by an estimate of the smallest singular value.
+
+    The 1-norm of the inverse is estimated by Hager's method, usually exact and within a factor of 3; it bounds the
+    largest singular value of the inverse but for the root of the size.
+    """
+    size = len(force)
+    try:
+        factors = splu(csc_array(stiffness))
+    except RuntimeError:  # exactly singular
+        return None
+    inverse = LinearOperator(
+        stiffness.shape, factors.solve, lambda b: factors.solve(b, "T"), factors.solve, dtype=np.float64
+    )
+    smallest = 1.0 / (3.0 * np.sqrt(size) * onenormest(inverse))
+    largest = np.sqrt(np.abs(stiffness).sum(axis=0).max() * np.abs(stiffness).sum(axis=1).max())
+    return np.asarray(factors.solve(force)) if smallest > LOOSE * size * largest else None
 
 
 def _unrestrained(library: Library, shares: Vector, part: float) -> str:

@@ -323,17 +323,6 @@ def _change(value: float | None) -> str:
     return "-" if value is None else f"{value:+.2%}" if abs(value) >= 5e-5 else "0"
 
 
-def modes(data: Data) -> None:
-    """Print eigenfrequencies."""
-    table = _table("Eigenfrequencies at the loaded equilibrium", ">Hz", ">damping", "class", "kinetic energy")
-    for item in data["modes"]:
-        energy = ", ".join(f"{name} {share:.0%}" for name, share in list(item["energy"].items())[:3] if share > 0.005)
-        table.add_row(
-            f"{item['frequency_hz']:.2f}", f"{round(item['damping_ratio'], 4) + 0.0:.2%}", item["class"], energy
-        )
-    _console().print(table)
-
-
 def listed(tables: "list[ResultTable]", files: "list[Path]") -> None:
     """Print tables, and the files that were written."""
     console = _console()

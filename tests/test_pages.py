@@ -273,3 +273,34 @@ def test_sensitivities(benchmarks):
             one, two = (re.split(r"([+-]?\d+\.\d+)", text) for text in (line, other))
             assert one[::2] == two[::2]
             assert [float(v) for v in one[1::2]] == pytest.approx([float(v) for v in two[1::2]], rel=1e-3, abs=2e-3)
+
+
+# --- modes
+
+
+def test_modes_of_the_rig_are_those_of_the_page(benchmarks):
+    page = benchmarks("modes")
+    scene, _, modes = page.rig()
+    text = page.PAGE.read_text("utf-8")
+    made = {"list": page.list_table(modes), "lines": page.line_table(scene, modes), "explained": page.explained(scene)}
+    for name, part in made.items():
+        assert text.split(page.BEGIN.format(name))[1].split(page.END.format(name))[0] == part
+    assert page.FIGURE.exists()
+
+
+def test_lines_of_table_8_are_listed_once_each(benchmarks):
+    page = benchmarks("modes")
+    found = page.lines(load_scene("rig-2mw"))
+    assert {62.5, 114.4, 557.5} <= {value for value, (name, _) in found.items() if not name}
+    assert {value: found[value][0] for value in (29.5, 158.7, 316.2, 628.1)} == {
+        29.5: "1 lsp", 158.7: "1 hsp", 316.2: "2 hsp", 628.1: "1 psh",
+    }  # fmt: skip
+
+
+def test_what_modes_take_is_what_was_measured(benchmarks):
+    page = benchmarks("modes")
+    data = json.loads(page.DATA.read_text("utf-8"))
+    text = page.PAGE.read_text("utf-8").split(page.BEGIN.format("times"))[1].split(page.END.format("times"))[0]
+    assert text == page.time_table(data)
+    assert data["cases"]["long"]["members"] > 200
+    assert data["cases"]["rig-2mw"]["count"] is None

@@ -24,7 +24,7 @@ def train(planets: int, stages: int) -> Scene:
     """
     scene = SceneBuilder(f"{stages} stages of {planets} planets", mesh_stiffness="mean")
     for k in range(1, stages + 1):
-        scene.planetary(f"stage{k}", **_stage(planets))
+        scene.planetary(f"stage{k}", **stage_keys(planets))
     for k in range(1, stages):
         ends = f"stage{k}.sun", f"stage{k + 1}.carrier"
         scene.coupling(f"shaft{k}", *ends, stiffness="1e7 N*m/rad", damping_ratio=0.02)
@@ -32,7 +32,7 @@ def train(planets: int, stages: int) -> Scene:
     return scene.build()
 
 
-def _stage(planets: int) -> dict[str, object]:
+def stage_keys(planets: int) -> dict[str, object]:
     """Return the keys of one stage."""
     return {
         "planets": planets,

@@ -5,7 +5,7 @@ import os
 # The matrices are small: threads of the linear algebra would only wait for each other (seen: 100 ms in place of 1).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from . import describe, influences, measuring, running, testing
+from . import describe, influences, linear, measuring, running, testing
 from .app import app, main
 
-__all__ = ["app", "describe", "influences", "main", "measuring", "running", "testing"]
+__all__ = ["app", "describe", "influences", "linear", "main", "measuring", "running", "testing"]

@@ -1,4 +1,4 @@
-"""Commands that tell about scenes and models: scenes, effects, info, check, generate, modes."""
+"""Commands that tell about scenes and models: scenes, effects, info, check, generate."""
 
 from dataclasses import asdict
 
@@ -86,26 +86,3 @@ def generate(
         "key": opened.key,
     }
     present.show(as_json, data, present.generated)
-
-
-@app.command()
-def modes(scene: SceneName, changes: Changes = None, as_json: AsJson = False) -> None:
-    """List eigenfrequencies and damping at the loaded equilibrium."""
-    from ..equilibrium import find_equilibrium
-    from ..linear.modes import find_modes
-    from ..linear.system import linearise
-
-    opened = open_scene(scene, changes)
-    library = compile_model(opened)
-    p = library.parameters(opened.model.values())
-    found = find_modes(linearise(library, p, find_equilibrium(library, p, tables=opened.model.tables)))
-    listed = [
-        {
-            "frequency_hz": m.frequency_hz,
-            "damping_ratio": m.damping_ratio,
-            "class": m.kind,
-            "energy": m.energy,
-        }
-        for m in found
-    ]
-    present.show(as_json, {"scene": opened.scene.name, "modes": listed}, present.modes)

@@ -118,7 +118,7 @@ class Linear:
 
     @cached_property
     def _outputs(self) -> Vector:
-        return self.derivative("outputs").toarray()[:, self.kept]
+        return np.asarray(self.derivative("outputs").toarray()[:, self.kept])
 
     def scaled(self) -> Vector:
         """Return A with every state in units of its vibration, dense: eigenvalues are those of A."""

@@ -1,0 +1,207 @@
+"""Modes of the rig beside the paper's Table 8, and what modes of a long train take: writes docs/modes.md's tables.
+
+Run as ``OPENBLAS_NUM_THREADS=1 python -m benchmarks.modes``; it takes some minutes, most of them to compile.
+"""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ltcgear.runtime.comparison import published
+from ltcgear.runtime.equilibrium import find_equilibrium
+from ltcgear.runtime.library import Library, build
+from ltcgear.runtime.linear.energies import family
+from ltcgear.runtime.linear.modes import Mode, find_modes
+from ltcgear.runtime.linear.naming import describe_modes, label, sum_by
+from ltcgear.runtime.linear.shape_figure import draw_shapes
+from ltcgear.runtime.linear.system import Linear, linearise
+from ltcgear.runtime.precision.machine import describe_machine
+from ltcgear.runtime.spectra import name_line
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.builder import SceneBuilder
+from ltcgear.symbolic.model import Model
+from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.report import describe
+from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.schema import Scene
+
+from .growth.scenes import stage_keys
+
+DOCS = Path(__file__).resolve().parents[1] / "docs"
+PAGE, DATA, FIGURE = DOCS / "modes.md", DOCS / "data" / "modes.json", DOCS / "images" / "modes-rig.png"
+BEGIN, END = "<!-- {} -->\n", "<!-- end {} -->\n"
+STAGES, PLANETS, FEW, ROUNDS = 14, 12, 40, 5
+DRAWN = [1, 2, 3, 5, 10, 35]
+"""Modes of the figure: one of each kind of motion."""
+NEAR = 0.01
+"""Relative distance at which a printed line counts as a harmonic or sideband: measured speeds are not exact."""
+
+HIGHEST = 5
+"""Highest order that counts: those of the slowest mesh would explain every line within ``NEAR``."""
+
+
+def long_train(stages: int, planets: int) -> Scene:
+    """Put planetary stages in a row, of which every other one is turned round, so that no shaft turns fast.
+
+    Parameters
+    ----------
+    stages
+        How many; each has a sun, a carrier and its planets, and a ring that is fixed.
+    planets
+        Planets of each stage.
+    """
+    scene = SceneBuilder(f"{stages} stages of {planets} planets", mesh_stiffness="mean")
+    for k in range(1, stages + 1):
+        scene.planetary(f"stage{k}", **stage_keys(planets))
+    for k in range(1, stages):
+        end = "sun" if k % 2 else "carrier"
+        ends = f"stage{k}.{end}", f"stage{k + 1}.{end}"
+        scene.coupling(f"shaft{k}", *ends, stiffness="1e7 N*m/rad", damping_ratio=0.02)
+    last = "sun" if stages % 2 else "carrier"
+    scene.load("drive", "stage1.carrier", speed="2 rpm").load("brake", f"stage{stages}.{last}", torque="-5 N*m")
+    return scene.build()
+
+
+def rig() -> tuple[Scene, Linear, list[Mode]]:
+    """Return the rig, linearised, and its modes."""
+    scene = load_scene("rig-2mw")
+    model = build_model(scene)
+    library = build(obtain(model))
+    p = library.parameters(model.values())
+    linear = linearise(library, p, find_equilibrium(library, p))
+    return scene, linear, describe_modes(linear, find_modes(linear))
+
+
+def list_table(modes: list[Mode]) -> str:
+    """Return the rig's modes in Markdown."""
+    text = (
+        "| mode | Hz | damping | class | what it is | kinetic energy | strain energy |\n|---|---|---|---|---|---|---|\n"
+    )
+    for k, mode in enumerate(modes, start=1):
+        kinetic = _largest(sum_by(mode.members, label))
+        strain = _largest(sum_by(mode.strain, lambda name: family(name).removeprefix("couplings.")))
+        alike = f" x{mode.multiplicity}" if mode.multiplicity > 1 else ""
+        text += (
+            f"| {k} | {mode.frequency_hz:.2f} | {mode.damping_ratio:.2%} | {mode.kind}{alike} | {mode.name} | "
+            f"{kinetic} | {strain} |\n"
+        )
+    return text
+
+
+def _largest(shares: dict[str, float]) -> str:
+    """Write the two largest shares."""
+    return ", ".join(f"{name} {share:.0%}" for name, share in list(shares.items())[:2])
+
+
+def lines(scene: Scene) -> dict[float, tuple[str, list[str]]]:
+    """Return the lines of Table 8: what explains each but for a free vibration, and where it was seen."""
+    told = describe(scene)
+    meshes = {name: stage["mesh_frequency_hz"] for name, stage in told["stages"].items()}
+    turns = {
+        name: abs(member["speed_rpm"]) / 60 for name, member in told["members"].items() if name.endswith(".carrier")
+    }
+    found: dict[float, tuple[str, list[str]]] = {}
+    for row in published()["table8"]["rows"]:
+        for key in ("measured", "simulated"):
+            for value in row.get(key, []):
+                name = name_line(value, meshes, NEAR * value, turns)
+                if any(int(word) > HIGHEST for word in name.split() if word.isdigit()):
+                    name = ""
+                place = f"{key}, {row[f'{key}_position']}" if f"{key}_position" in row else key
+                found.setdefault(float(value), (name, []))[1].append(place)
+    return dict(sorted(found.items()))
+
+
+def line_table(scene: Scene, modes: list[Mode]) -> str:
+    """Return the lines that are no harmonics or sidebands beside the modes next to them, in Markdown."""
+    text = "| line Hz | where | next mode Hz | off | class | what it is |\n|---|---|---|---|---|---|\n"
+    for value, (name, places) in lines(scene).items():
+        if not name:
+            mode = min(modes, key=lambda mode: abs(mode.frequency_hz - value))
+            off = mode.frequency_hz / value - 1
+            next_to = f"{mode.frequency_hz:.1f} | {off:+.1%} | {mode.kind} | {mode.name}"
+            text += f"| {value:g} | {'; '.join(places)} | {next_to} |\n"
+    return text
+
+
+def explained(scene: Scene) -> str:
+    """Return the lines that are harmonics or sidebands, in a sentence."""
+    named = [f"{value:g} ({name})" for value, (name, _) in lines(scene).items() if name]
+    return "Harmonics and sidebands: " + ", ".join(named) + ".\n"
+
+
+def measure() -> dict[str, Any]:
+    """Measure the steps of modes after loading, least of some rounds [s], for the rig and a long train."""
+    cases = {"rig-2mw": (load_scene("rig-2mw"), None), "long": (long_train(STAGES, PLANETS), FEW)}
+    found: dict[str, Any] = {"machine": describe_machine(), "cases": {}}
+    for name, (scene, count) in cases.items():
+        model = build_model(scene)
+        library = build(obtain(model))
+        rounds = [_round(library, model, count) for _ in range(ROUNDS)]
+        seconds = {key: min(one[key] for one in rounds) for key in rounds[0]}
+        members = sum(body.inertia is not None for body in model.bodies)
+        found["cases"][name] = {
+            "title": scene.title, "members": members, "freedoms": len(library.index("")), "count": count,
+            "seconds": seconds, "total": min(sum(one.values()) for one in rounds),
+        }  # fmt: skip
+    return found
+
+
+def _round(library: Library, model: Model, count: int | None) -> dict[str, float]:
+    """Take a model from its parameters to its modes once, graphs read anew."""
+    library.__dict__.pop("graphs", None)
+    p, seconds = library.parameters(model.values()), {}
+
+    def timed(name: str, work: Callable[[], Any]) -> Any:  # noqa: ANN401
+        clock = perf_counter()
+        made = work()
+        seconds[name] = perf_counter() - clock
+        return made
+
+    at = timed("equilibrium", lambda: find_equilibrium(library, p, tables=model.tables))
+    linear = timed("linearise", lambda: linearise(library, p, at))
+    modes = timed("eigenvalues", lambda: find_modes(linear, count))
+    timed("strain and names", lambda: describe_modes(linear, modes))
+    return seconds
+
+
+def time_table(data: dict[str, Any]) -> str:
+    """Return what was measured, in Markdown."""
+    names = list(data["cases"]["long"]["seconds"])
+    text = (
+        f"| train | members | freedoms | modes | {' | '.join(names)} | together |\n" + "|---" * (5 + len(names)) + "|\n"
+    )
+    for name, case in data["cases"].items():
+        title = case["title"] if name == "long" else name
+        cells = " | ".join(f"{case['seconds'][key]:.3f}" for key in names)
+        sizes = f"{case['members']} | {case['freedoms']} | {case['count'] or 'all'}"
+        text += f"| {title} | {sizes} | {cells} | {case['total']:.2f} |\n"
+    return text
+
+
+def put(parts: dict[str, str]) -> None:
+    """Put tables between the marks of the page."""
+    text = PAGE.read_text("utf-8")
+    for name, part in parts.items():
+        before, rest = text.split(BEGIN.format(name))
+        text = before + BEGIN.format(name) + part + END.format(name) + rest.split(END.format(name))[1]
+    PAGE.write_text(text, "utf-8")
+
+
+def main() -> None:
+    """Compute and measure, write page, data and figure."""
+    scene, linear, modes = rig()
+    draw_shapes(linear, modes, DRAWN, scene.title, FIGURE)
+    data = measure()
+    DATA.write_text(json.dumps(data, indent=1) + "\n", "utf-8")
+    put({
+        "list": list_table(modes), "lines": line_table(scene, modes), "explained": explained(scene),
+        "times": time_table(data),
+    })  # fmt: skip
+    print(PAGE.read_text("utf-8"))
+
+
+if __name__ == "__main__":
+    main()

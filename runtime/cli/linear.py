@@ -1,0 +1,116 @@
+"""Commands of small motions about the loaded equilibrium: modes."""
+
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from ltcgear.generated.errors import LtcgearError
+
+from .. import present
+from ..options import AsJson, Changes, SceneName
+from ..results import check_target
+from .app import app
+from .opening import Opened, compile_model, open_scene
+
+if TYPE_CHECKING:
+    from ..linear.system import Linear
+
+Turn = Annotated[
+    float | None,
+    typer.Option("--turn", help="Hold the meshes as they stand after so many turns of the reference.",
+                 show_default="means over the mesh phase"),
+]  # fmt: skip
+Count = Annotated[
+    int | None,
+    typer.Option("--count", metavar="N", help="How many of the lowest modes.", show_default="all; 40 of large trains"),
+]
+Drawn = Annotated[
+    list[int] | None,
+    typer.Option("--mode", metavar="K", help="A mode to draw, by its number.", show_default="the first 6; .html all"),
+]
+ModesFile = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", show_default="none",
+                 help="Table (.csv, .json), mode shapes (.png, .svg, .pdf), or moving ones (.html)."),
+]  # fmt: skip
+LISTS, PICTURES, PAGE = (".csv", ".json"), (".png", ".svg", ".pdf"), ".html"
+MANY = 150
+"""Freedoms above which only the lowest ``FEW`` modes are listed unless ``--count`` asks for more."""
+FEW = 40
+
+
+@app.command()
+def modes(
+    scene: SceneName, turn: Turn = None, count: Count = None, mode: Drawn = None, output: ModesFile = None,
+    changes: Changes = None, as_json: AsJson = False,
+) -> None:  # fmt: skip
+    """List eigenfrequencies, damping and mode shapes at the loaded equilibrium; with -o, write or draw them."""
+    from ..linear.listing import list_modes
+    from ..linear.modes import find_modes
+    from ..linear.naming import describe_modes
+    from ..present_linear import modes as for_people
+
+    _check(turn, count, mode, output)
+    opened = open_scene(scene, changes)
+    linear = open_linear(opened, turn)
+    freedoms = len(linear.positions)
+    wanted = FEW if count is None and freedoms > MANY else count
+    found = describe_modes(linear, find_modes(linear, wanted))
+    meshes = "at their mean stiffness" if turn is None else f"as they stand after {turn:g} turns"
+    data: dict[str, Any] = {
+        "scene": opened.scene.name, "turn": turn, "meshes": meshes, "freedoms": freedoms,
+        "lowest": wanted is not None, "modes": list_modes(found),
+    }  # fmt: skip
+    if output is not None:
+        data["files"] = [str(_write(linear, found, mode, data | {"title": opened.scene.title}, output))]
+    present.show(as_json, data, for_people)
+
+
+def open_linear(opened: Opened, turn: float | None = None) -> "Linear":
+    """Compile a scene's model, find its equilibrium and linearise it there."""
+    from ..equilibrium import find_equilibrium
+    from ..linear.system import linearise
+
+    library = compile_model(opened)
+    p = library.parameters(opened.model.values())
+    return linearise(library, p, find_equilibrium(library, p, tables=opened.model.tables), turn)
+
+
+def _check(turn: float | None, count: int | None, chosen: list[int] | None, output: Path | None) -> None:
+    """Refuse options that cannot be served, before anything is computed."""
+    if turn is not None and not isfinite(turn):
+        raise LtcgearError(f"--turn {turn}: not a finite number of turns; give one, for example 0.25")
+    if count is not None and count < 1:
+        raise LtcgearError(f"--count {count}: at least one mode is listed; give 1 or more, or leave --count out")
+    if chosen and (output is None or output.suffix not in (*PICTURES, PAGE)):
+        raise LtcgearError(
+            "--mode: says which modes are drawn; give a picture to draw them in, for example -o modes.png"
+        )
+    if chosen and min(chosen) < 1:
+        raise LtcgearError(f"--mode {min(chosen)}: modes are numbered from 1, as `ltcgear modes` lists them")
+    if output is None:
+        return
+    if output.suffix not in (*LISTS, *PICTURES, PAGE):
+        known = ", ".join((*LISTS, *PICTURES, PAGE))
+        raise LtcgearError(f"{output}: modes are written as {known}; name it {output.with_suffix('.csv')}")
+    check_target(output)
+
+
+def _write(linear: "Linear", found: list[Any], chosen: list[int] | None, data: dict[str, Any], path: Path) -> Path:
+    """Write a table or draw mode shapes, by the suffix."""
+    from ..linear.listing import write_modes
+
+    if path.suffix in LISTS:
+        return write_modes(data, path)
+    if chosen and max(chosen) > len(found):
+        raise LtcgearError(
+            f"--mode {max(chosen)}: there are {len(found)} modes; give a number up to that, or --count more"
+        )
+    from ..linear.shape_figure import draw_shapes
+    from ..linear.shape_page import write_page
+
+    if path.suffix == PAGE:
+        numbers = sorted(set(chosen or range(1, len(found) + 1)))
+        return write_page(linear, found, numbers, data["title"], path)
+    return draw_shapes(linear, found, chosen or list(range(1, min(6, len(found)) + 1)), data["title"], path)

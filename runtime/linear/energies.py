@@ -1,0 +1,111 @@
+"""Strain energy of small motions: how much each element of the model takes."""
+
+import casadi as ca
+import numpy as np
+from ltcgear.generated.contract import BACK, Manifest
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from ..kernel import Kernel
+from .system import Linear
+
+Complex = NDArray[np.complex128]
+Vector = NDArray[np.float64]
+STIFFNESS_UNITS = ("N/m", "N*m/rad")
+FORCES = {
+    "mesh_force": ("", ""),
+    "pin_force_x": ("", ""),
+    "pin_force_y": ("", ""),
+    "bearing_force_x": ("", ".bearing"),
+    "bearing_force_y": ("", ".bearing"),
+    "coupling_torque": ("couplings.", ""),
+    "support_torque": ("", ".torsional_support"),
+}
+"""Outputs that are an element's own force; before and after their items stands what makes the name of the element,
+with which the names of its parameters begin."""
+
+
+class Energies:
+    """The second variation of a model's strain energy, element by element.
+
+    The strain energy V is of first degree in all stiffnesses together. So is v' V_xx v / 2 for a displacement v,
+    which is the sum of k d/dk of it over all stiffnesses k (Euler). Elements that share a stiffness divide its part
+    as the squares of their forces.
+
+    Parameters
+    ----------
+    linear
+        The model and its operating point.
+    """
+
+    def __init__(self, linear: Linear) -> None:
+        self.linear = linear
+        manifest = linear.library.manifest
+        self._reports = [i for i, report in enumerate(manifest.reports) if report.quantity in FORCES]
+        self.elements = list(dict.fromkeys(_element(manifest, i) for i in self._reports))
+        place = {name: k for k, name in enumerate(self.elements)}
+        self._element_of = np.array([place[_element(manifest, i)] for i in self._reports], dtype=np.int64)
+        self._stiffness = [i for i, (_, unit) in enumerate(manifest.parameters) if unit in STIFFNESS_UNITS]
+        self._owners = _owners(self.elements, [manifest.parameters[i][0] for i in self._stiffness])
+        self._kernel = self._make()
+
+    def _make(self) -> Kernel:
+        """Return the function (x, s, p, v) -> k d(v' V_xx v / 2)/dk, forces of v."""
+        graphs = self.linear.library.graphs
+        energy = graphs["energy"]
+        x, s, p = (ca.SX.sym(energy.name_in(i), energy.sparsity_in(i)) for i in range(3))
+        v = ca.SX.sym("v", x.numel())
+        strain = energy.call([x, s, p])[0][1]
+        second = ca.jtimes(ca.jtimes(strain, x, v), x, v) / 2
+        parts = (p * ca.densify(ca.gradient(second, p)))[self._stiffness]
+        forces = ca.densify(ca.jtimes(graphs["outputs"].call([x, s, p])[0][self._reports], x, v))
+        return Kernel(ca.Function("strain", [x, s, p, v], [parts, forces]))
+
+    def of_shape(self, shape: Complex) -> dict[str, float]:
+        """Return the strain energy [J] of a motion by element, the mean over its cycle times two, largest first.
+
+        Under load an element that is pressed may give back energy as it tilts: its part is then below zero.
+
+        Parameters
+        ----------
+        shape
+            Kept states, shape (n,); only displacements count.
+        """
+        linear = self.linear
+        moving = np.zeros(len(linear.at.x), dtype=complex)
+        moving[linear.kept] = shape
+        held = np.setdiff1d(np.arange(len(moving)), linear.library.index(""))
+        moving[held] = 0.0
+        total, squares = np.zeros(len(self._stiffness)), np.zeros(len(self.elements))
+        for v in (moving.real, moving.imag):
+            parts, forces = self._kernel(linear.at.x, linear.at.s, linear.p, v)
+            total += parts
+            squares += np.bincount(self._element_of, forces**2, len(self.elements))
+        weights = self._owners @ squares
+        each = squares * (self._owners.T @ np.divide(total, weights, out=np.zeros_like(total), where=weights > 0))
+        energy = dict(zip(self.elements, each.tolist(), strict=True))
+        return dict(sorted(energy.items(), key=lambda item: -item[1]))
+
+
+def _element(manifest: Manifest, report: int) -> str:
+    """Name the element whose force a report is; both flanks of a mesh are one."""
+    item = manifest.reports[report]
+    before, after = FORCES[item.quantity]
+    return f"{before}{item.item.removesuffix(BACK)}{after}"
+
+
+def family(element: str) -> str:
+    """Return the name that equal elements of a stage share: ``lsp.pin`` of ``lsp.pin.2``."""
+    head, _, tail = element.rpartition(".")
+    return head if head and tail.isdigit() else element
+
+
+def _owners(elements: list[str], stiffnesses: list[str]) -> csr_array:
+    """Return which elements have a stiffness, 1 or 0, shape (stiffnesses, elements): all of a family, or one."""
+    places: dict[str, set[int]] = {}
+    for k, element in enumerate(elements):
+        for name in (element, family(element)):
+            places.setdefault(name, set()).add(k)
+    pairs = [(i, k) for i, name in enumerate(stiffnesses) for k in places.get(name.rpartition(".")[0], ())]
+    rows, columns = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
+    return csr_array((np.ones(len(pairs)), (rows, columns)), shape=(len(stiffnesses), len(elements)))
