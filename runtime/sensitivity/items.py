@@ -58,7 +58,7 @@ def _mode(library: Library, p: Vector, found: ModeDerivative) -> dict[str, Any]:
     mode, many = found.mode, f", {found.repeated} alike" if found.repeated > 1 else ""
     value = abs(mode.eigenvalue) / (2 * np.pi)
     notes = [OVERDAMPED] if mode.eigenvalue.imag == 0 else []
-    beside = {"damping ratio": found.damping_ratio} if not notes else {}
+    beside = {"damping": found.damping_ratio} if not notes else {}
     rows = list_influences(library.manifest, p, value, found.frequency_hz, beside)
     return {
         "name": f"mode {found.number} ({mode.kind}{many})", "mode": found.number, "unit": "Hz", "value": value,
