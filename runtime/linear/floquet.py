@@ -14,7 +14,7 @@ from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from .periodic import MOST, Periodic
+from .periodic import Periodic
 from .resonance_names import Naming, Resonance
 
 Vector = NDArray[np.float64]
@@ -25,6 +25,8 @@ TOLERANCE = 1e-9
 """Error of the monodromy matrix, over its size, up to which steps are halved."""
 FIRST = 16
 """Steps in a pitch to begin with, and at least as many as the fastest mode turns by half."""
+FINEST = 20_000
+"""The most steps in a period that are tried."""
 LOST = 1e-12
 """Share of the largest multiplier below which another is lost in rounding."""
 
@@ -131,7 +133,7 @@ def settle(periodic: Periodic, variation: float, tolerance: float = TOLERANCE) -
         return 1, 0.0
     count = _first(periodic)
     before = find_monodromies(periodic, [variation], count)[0]
-    while 2 * count <= MOST:
+    while 2 * count <= FINEST:
         count *= 2
         now = find_monodromies(periodic, [variation], count)[0]
         error = float(np.linalg.norm(now - before) / np.linalg.norm(now)) / (2**4 - 1)
@@ -140,7 +142,7 @@ def settle(periodic: Periodic, variation: float, tolerance: float = TOLERANCE) -
         before = now
     raise SolverError(
         f"stability: {count} steps in a period do not resolve how the stiffness of {periodic.meshes[0]} varies; "
-        "take two-level, or a wider transition"
+        "take two-level, a wider transition, or fewer meshes, --mesh"
     )
 
 

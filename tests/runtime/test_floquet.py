@@ -152,6 +152,18 @@ def test_the_whole_train_has_the_common_period_of_its_stages():
     assert "--mesh lsp" in str(told.value)
 
 
+def test_the_rigs_stages_share_a_period_of_whole_pitches():
+    """The least time in which every stage goes through whole pitches: their numbers have no common factor."""
+    c = case("rig-2mw", 'effects.lateral = "off"')
+    periodic = vary(c.library, c.p)
+    hertz = {"lsp": 29.5, "hsp": 158.2272727, "psh": 628.2553476}
+    assert periodic.mesh_frequencies == pytest.approx(hertz, rel=1e-9)
+    assert periodic.period == pytest.approx(187 / 59 * 60 / 15, rel=1e-12)
+    counts = {mesh.split(".")[0]: abs(n) for mesh, n in periodic.cycles.items()}
+    assert np.gcd.reduce(list(counts.values())) == 1
+    assert counts == {stage: round(periodic.period * each) for stage, each in hertz.items()}
+
+
 def replace_teeth(c):
     """Tooth counts without common factors: the common period becomes very long."""
     names = [name for name, _ in c.library.manifest.parameters]
@@ -363,3 +375,9 @@ def test_damping_lifts_a_tongue_off_the_axis():
     )
     assert below
     assert not above
+    half = float(tongue.half_width(np.array(1.6 * tongue.least)))
+    found = [
+        multipliers(c, speed=tongue.speed + offset * half, variation=1.6 * tongue.least).stable
+        for offset in (-1.2, -0.8, 0.8, 1.2)
+    ]
+    assert found == [True, False, False, True]
