@@ -36,6 +36,10 @@ WIDEST = 1000.0
 """Angle [rad] by which the fastest mode turns between two nodes (explicit methods) at most where nothing switches."""
 UNRESOLVED = (1.0, 10.0)
 """What a segment's nodes may miss, over rtol: one-step methods, multistep methods, whose own errors are larger."""
+FINEST = 1e-9
+"""What nodes may miss at least, whatever the tolerance: the fastest mode between them is resolved that well."""
+SHORTEST = 1 / 64
+"""By how much a segment may be shorter than that, where stiffness or loads vary faster than any mode swings."""
 LONGEST = 4096
 """By how much a segment may outgrow the one that resolves the fastest mode: found again in 12 halvings."""
 CAPACITY = 2048
@@ -126,8 +130,9 @@ class March:
             most = max(1, min(256, int(rate / turning) * finer if turning else 256))
             block = ceil(samples * finer / ceil(samples * finer / most))
             self.nodes, state.longest, state.uniform = Uniform(block), block / finer / rate, 1
-        state.shortest = state.first = state.longest
-        state.rtol, state.unresolved, state.fresh = self.rtol, UNRESOLVED[method in MULTISTEP] * self.rtol, 1
+        state.shortest, state.first = SHORTEST * state.longest, state.longest
+        state.rtol, state.unresolved = self.rtol, max(UNRESOLVED[method in MULTISTEP] * self.rtol, FINEST)
+        state.fresh = 1
         state.n_nodes = len(share("points", self.nodes.points))
 
     def _set_levels(self, names: list[str]) -> None:

@@ -21,8 +21,6 @@ from ..stepper import EXPLICIT
 Vector = NDArray[np.float64]
 Cells = NDArray[np.int64]
 Sides = NDArray[np.bool_]
-SHORTER = 1 / 64
-"""How much shorter a piece may be than one that resolves all free vibrations: stiffness varies faster than these."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +106,6 @@ def follow_course(
     signals = Signals(library.manifest.signals, tables or {})
     march = March(library, p, at, method, rtol, 1, 1 / t_end, signals, dense=True)
     assert isinstance(march.nodes, Chebyshev)
-    march.state.shortest *= SHORTER  # the march is content with nodes at which it samples, here the path is read
     pieces: list[Piece] = []
     while march.state.done <= march.state.last:
         start, segments = march.time, march.state.segments

@@ -255,6 +255,16 @@ def test_small_free_vibrations_are_the_matrix_exponential():
 # --- failures
 
 
+def test_stiffness_that_varies_faster_than_any_mode_swings_is_resolved():
+    """A table of one torque changes nothing but where samples are read: between nodes in place of on them."""
+    smooth = ('effects.mesh_stiffness = "smooth"', "stages.psh.mesh.transition = 0.1")
+    rows = '[["0 s", "-1.06e4 N*m"], ["10 s", "-1.06e4 N*m"]]'
+    plain = case("psh", *smooth)
+    tabled = case("psh", *smooth, f"loads.output.torque_over_time = {rows}", "-loads.output.torque")
+    one, two = (c.mesh_forces(c.run(method="erk", rtol=1e-6, t_end=0.05)) for c in (plain, tabled))
+    assert np.sqrt(np.mean((one - two) ** 2)) < 2e-6 * one.std()
+
+
 def test_a_failing_solver_is_a_status(monkeypatch):
     monkeypatch.setattr(stepper, "MOST_STEPS", 2)
     path = case("psh").run(method="cvodes", rtol=1e-8)
