@@ -47,16 +47,17 @@ def campbell(
     sidebands: Sidebands = False, output: NumbersFile = None, changes: Changes = None, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Follow eigenfrequencies over speed or load, and find where orders of the meshes meet them."""
-    from ..linear.campbell import read_range, sweep_load, sweep_speed
+    from ..linear.campbell import sweep_load, sweep_speed
     from ..linear.crossings import find_crossings
     from ..linear.orders import list_orders
+    from ..linear.ranges import read_range
     from ..linear.resonance import tell_campbell, write_campbell
     from ..linear.resonance_figures import draw_campbell
 
     if speed is not None and load is not None:
         raise LtcgearError("campbell: both --speed and --load were given; give one of them")
-    values = read_range(speed, "--speed") if speed is not None else None
-    factors = read_range(load, "--load") if load is not None else None
+    values = read_range("--speed", speed, "0:20:61") if speed is not None else None
+    factors = read_range("--load", load, "0.2:2:31") if load is not None else None
     _check_output(output)
     opened = open_scene(scene, changes)
     library = compile_model(opened)

@@ -38,11 +38,11 @@ def stability(
     output: StabilityFile = None, changes: Changes = None, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell whether small motions grow under the varying mesh stiffness: Floquet multipliers, stability chart."""
-    from ..linear.chart import read_span
     from ..linear.chart_figure import check_file
+    from ..linear.ranges import read_range
 
-    speeds = read_span("--speed", speed, 0.0, "100:600:60")
-    variations = read_span("--variation", variation, 1.0, "0:2:40")
+    speeds = read_range("--speed", speed or "0", "100:600:60", single=True)
+    variations = read_range("--variation", variation or "1", "0:2:40", single=True)
     if output is not None:
         check_file(output)
     opened = open_scene(scene, changes)

@@ -73,27 +73,6 @@ class Campbell:
         return np.array([np.nan if mode is None else mode.frequency_hz for mode in found])
 
 
-def read_range(text: str, option: str) -> Vector:
-    """Read ``a:b:n`` as n values from a to b.
-
-    Raises
-    ------
-    LtcgearError
-        If it is not three numbers, 0 <= a < b, or n below 2.
-    """
-    parts = text.split(":")
-    try:
-        low, high, count = float(parts[0]), float(parts[1]), int(parts[2])
-    except (ValueError, IndexError):
-        count = 0
-    if len(parts) != 3 or count < 2 or not (np.isfinite([low, high]).all() and 0 <= low < high):
-        raise LtcgearError(
-            f"{option} {text}: give FIRST:LAST:NUMBER with 0 <= FIRST < LAST and NUMBER 2 or more, "
-            f"for example {option} {'0:20:61' if option == '--speed' else '0.2:2:31'}"
-        )
-    return np.linspace(low, high, count)
-
-
 def sweep_speed(
     library: Library, p: Vector, values: Vector | None = None, *, tables: Mapping[str, Pairs] | None = None,
     told: Callable[[int], None] = lambda done: None,

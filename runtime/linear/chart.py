@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
@@ -18,7 +17,6 @@ RPM = 2 * np.pi / 60
 """[rad/s]"""
 TOLERANCE = 1e-6
 """Error of a monodromy matrix over its size."""
-MOST_POINTS = 1000
 MOST_STEPS = 5_000_000
 """Matrix exponentials of a chart beyond which it is refused: half an hour and more."""
 
@@ -59,33 +57,6 @@ class Chart:
     def stable(self) -> NDArray[np.bool_]:
         """Tell where no small motion grows, shape (k, m)."""
         return np.asarray(np.log(self.largest) <= MARGIN)
-
-
-def read_span(option: str, text: str | None, otherwise: float, example: str) -> Vector:
-    """Read ``first:last:number``, or one number, as ascending values.
-
-    Raises
-    ------
-    LtcgearError
-        If it is neither.
-    """
-    if text is None:
-        return np.array([otherwise])
-    parts = text.split(":")
-    try:
-        first, last = float(parts[0]), float(parts[-1] if len(parts) == 1 else parts[1])
-        count = int(parts[2]) if len(parts) == 3 else len(parts)
-    except ValueError:
-        first, last, count = np.nan, np.nan, 0
-    single = len(parts) == 1 and first >= 0
-    if not (isfinite(first) and isfinite(last) and (single or (len(parts) == 3 and 0 <= first < last and count > 1))):
-        raise LtcgearError(
-            f"{option} {text}: write FIRST:LAST:NUMBER with 0 <= FIRST < LAST and a NUMBER above 1, "
-            f"for example {option} {example}"
-        )
-    if count > MOST_POINTS:
-        raise LtcgearError(f"{option} {text}: {count} values, {MOST_POINTS} at most; take fewer")
-    return np.linspace(first, last, count)
 
 
 def draw_up(

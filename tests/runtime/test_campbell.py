@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.linear.campbell import read_range, sweep_load, sweep_speed
+from ltcgear.runtime.linear.campbell import sweep_load, sweep_speed
 from ltcgear.runtime.linear.crossings import find_crossings
 from ltcgear.runtime.linear.excitation import find_harmonics
 from ltcgear.runtime.linear.inputs import find_paths
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.orders import list_orders, list_sides, phases_of
+from ltcgear.runtime.linear.ranges import read_range
 from ltcgear.runtime.linear.response import propagate, respond
 from ltcgear.runtime.linear.system import linearise
 
@@ -293,11 +294,11 @@ def test_without_damping_the_force_is_unbounded():
                                   "0:1:1", "0:1:2.5"])  # fmt: skip
 def test_ranges_that_are_none_are_refused(text):
     with pytest.raises(LtcgearError, match=r"--speed .*FIRST:LAST:NUMBER"):
-        read_range(text, "--speed")
+        read_range("--speed", text, "0:20:61")
 
 
 def test_ranges():
-    assert read_range("0:20:5", "--speed").tolist() == [0, 5, 10, 15, 20]
+    assert read_range("--speed", "0:20:5", "0:20:61").tolist() == [0, 5, 10, 15, 20]
 
 
 def test_a_train_without_a_speed_is_refused():
