@@ -14,7 +14,7 @@ from .elements.base import LogCosh
 from .elements.contact import Given, Lesser, Rest, Step, Switch
 from .elements.tooth_pairs import Sharing, Wrapped
 
-UNARY = {
+UNARY: dict[Any, Callable[[Any], Any]] = {
     sp.sin: ca.sin, sp.cos: ca.cos, sp.tan: ca.tan, sp.atan: ca.atan, sp.tanh: ca.tanh, sp.cosh: ca.cosh,
     sp.sinh: ca.sinh, sp.log: ca.log, sp.exp: ca.exp, sp.Abs: ca.fabs,
     LogCosh: lambda z: ca.fabs(z) + ca.log1p(ca.exp(-2 * ca.fabs(z))) - log(2), sp.sign: ca.sign,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -71,8 +72,10 @@ def draw_chart(chart: Chart, title: str, path: Path) -> Path:
     else:
         growth = np.log(np.maximum(chart.largest, 1.0)).T
         shown = np.ma.masked_where(chart.stable.T, growth)
-        colours = {"cmap": "YlOrBr", "vmin": 0.0, "vmax": max(float(growth.max()), MARGIN), "shading": "nearest"}
-        mesh = axes.pcolormesh(chart.speeds / RPM, chart.variations, shown, **colours)
+        mesh = axes.pcolormesh(
+            chart.speeds / RPM, chart.variations, shown, cmap="YlOrBr", vmin=0.0,
+            vmax=max(float(growth.max()), MARGIN), shading="nearest",
+        )  # fmt: skip
         figure.colorbar(mesh, ax=axes, label=r"growth in a period, $\ln|\mu|$ (white: stable)", pad=0.02)
         _draw_tongues(axes, chart)
         axes.set_ylabel("stiffness variation [times the scene's]")
@@ -89,7 +92,7 @@ def _scale_speeds(axes: Axes, chart: Chart) -> None:
     speeds, factor = chart.speeds / RPM, float(chart.base_hz[0] / chart.speeds[0] * RPM)
     axes.set_xlim(speeds[0], speeds[-1])
     axes.set_xlabel("speed of the reference [rpm]")
-    above = axes.secondary_xaxis("top", functions=(lambda rpm: rpm * factor, lambda hertz: hertz / factor))
+    above = axes.secondary_xaxis("top", functions=(partial(np.multiply, factor), partial(np.multiply, 1 / factor)))
     above.set_xlabel(r"$\Omega/2\pi$, mesh frequency or one over the common period [Hz]")
 
 

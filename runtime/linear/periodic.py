@@ -296,7 +296,7 @@ def _borders(library: Library, p: Vector, at: Equilibrium, cycles: dict[str, int
     apart = np.append(np.diff(places) > near, True)
     places = places[apart]
     places[0], places[-1] = 0.0, 1.0
-    return places
+    return np.asarray(places)
 
 
 def _too_long(cycles: dict[str, int]) -> str:
