@@ -34,8 +34,9 @@ MOST_TURNS = 16
 """Turns of the reference in a block of samples, at whose end whole turns are taken off its angle."""
 WIDEST = 1000.0
 """Angle [rad] by which the fastest mode turns between two nodes (explicit methods) at most where nothing switches."""
-UNRESOLVED = (1.0, 10.0)
-"""What a segment's nodes may miss, over rtol: one-step methods, multistep methods, whose own errors are larger."""
+UNRESOLVED = {"erk": 1.0}
+"""What a segment's nodes may miss, over rtol; ``COARSE`` with other methods, whose own errors are larger."""
+COARSE = 10.0
 FINEST = 1e-9
 """What nodes may miss at least, whatever the tolerance: the fastest mode between them is resolved that well."""
 SHORTEST = 1 / 64
@@ -131,7 +132,7 @@ class March:
             block = ceil(samples * finer / ceil(samples * finer / most))
             self.nodes, state.longest, state.uniform = Uniform(block), block / finer / rate, 1
         state.shortest, state.first = SHORTEST * state.longest, state.longest
-        state.rtol, state.unresolved = self.rtol, max(UNRESOLVED[method in MULTISTEP] * self.rtol, FINEST)
+        state.rtol, state.unresolved = self.rtol, max(UNRESOLVED.get(method, COARSE) * self.rtol, FINEST)
         state.fresh = 1
         state.n_nodes = len(share("points", self.nodes.points))
 

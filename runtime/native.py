@@ -24,6 +24,7 @@ FAULTS = (
     "two switching instants of one mesh fall together; check its contact ratio",
     "a switching instant could not be located",
     "samples lie beside the nodes of a block that was cut",
+    "the motion grows without bound",
     "an engine stopped",
 )
 """What ends a march, in the order of the C's enumeration."""

@@ -2,7 +2,7 @@
  * compiled once; all that belongs to a model comes by pointers. The structure ``march`` stands before it, written from
  * the one list of its fields. */
 
-enum { DONE, NOT_FINITE, TOO_SMALL, TOO_MANY, TOGETHER, NOT_LOCATED, BESIDE, STOPPED };
+enum { DONE, NOT_FINITE, TOO_SMALL, TOO_MANY, TOGETHER, NOT_LOCATED, BESIDE, UNBOUNDED, STOPPED };
 
 /* The larger and the smaller of two; the second one where either is no number. */
 static double larger(double one, double two) { return one > two ? one : two; }

@@ -3,6 +3,7 @@
 #define TRIALS 30      /* how often a segment may be cut before it ends on a border */
 #define STANDING 1e-6  /* speed over the largest of an arc below which a free train stands still */
 #define TURN 6.283185307179586
+#define FAR 1e12       /* times the size of vibrations: kilometres, for gears */
 
 /* Put in the reference angle, which a held speed makes known: no tolerance then moves a switching. */
 static void keep_on_course(march *m) {
@@ -29,6 +30,9 @@ static int integrate(march *m, double duration) {
   if (fault) return fault;
   m->segments += 1;
   keep_on_course(m);
+  const double *end = m->path + (m->n_nodes - 1) * m->n;
+  for (whole i = 0; i < m->n; ++i)
+    if (!(fabs(end[i]) < FAR)) return UNBOUNDED;
   return m->advance ? note_nodes(m) : DONE;
 }
 

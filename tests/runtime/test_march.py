@@ -23,7 +23,7 @@ def march_of(c, method, samples=5000):
 def test_faults_have_the_numbers_of_the_c():
     names = re.search(r"enum \{([^}]*)\}", source())[1].split(",")
     assert [name.strip() for name in names] == [
-        "DONE", "NOT_FINITE", "TOO_SMALL", "TOO_MANY", "TOGETHER", "NOT_LOCATED", "BESIDE", "STOPPED",
+        "DONE", "NOT_FINITE", "TOO_SMALL", "TOO_MANY", "TOGETHER", "NOT_LOCATED", "BESIDE", "UNBOUNDED", "STOPPED",
     ]  # fmt: skip
     assert len(FAULTS) == len(names)
 
