@@ -116,8 +116,9 @@ def _all(matrix: csc_array, rates: csr_array) -> Found:
     values, left, right = eig(full, left=True, right=True)
     top = float(np.abs(values).max())
     few = int((np.abs(values) <= RIGID * top).sum())
-    factors = lu_factor(full - CLOSE * (top or 1.0) * np.eye(len(full)))
-    rigid, zeros = _rigid(matrix, rates, lambda b, form: np.asarray(lu_solve(factors, b, "NT".index(form))), few, top)
+    near = top or 1.0  # gears that fly have no frequency at all
+    factors = lu_factor(full - CLOSE * near * np.eye(len(full)))
+    rigid, zeros = _rigid(matrix, rates, lambda b, form: np.asarray(lu_solve(factors, b, "NT".index(form))), few, near)
     elastic = np.sort(np.argsort(np.abs(values), kind="stable")[zeros:])
     return values[elastic], right[:, elastic], left[:, elastic], rigid, top, 2 * rigid.shape[1] - zeros
 

@@ -101,6 +101,12 @@ def test_braked_trains_that_do_not_touch_keep_rigid_motions_and_decays():
     assert [mode.eigenvalue.real for mode in modes[2:4]] == pytest.approx([-0.075, -0.25], rel=1e-5)
 
 
+def test_rotors_that_touch_nothing_are_rigid():
+    """No eigenvalue says which frequency is small."""
+    modes = find_modes(linear_of(make_case(rotors({"a": 2.0, "b": 3.0}, []))))
+    assert [mode.kind for mode in modes] == ["rigid", "rigid"]
+
+
 def test_a_heavy_rotor_on_a_soft_spring_is_not_rigid():
     """Its frequency is below 1e-6 of the highest, but its spring strains: sqrt(k/J) in closed form."""
     raw = rotors({"heavy": 1e6, "left": 1e-6, "right": 1e-6}, [("left", "right", 1e9)])
