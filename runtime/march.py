@@ -112,8 +112,9 @@ class March:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
         A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
-        1e-9 whatever moves. Segments begin with that length, and grow where the fastest modes are at rest. Blocks are
-        equally long; explicit methods get nodes between samples that lie far apart, lest they run out of steps.
+        1e-9 whatever swings. Segments begin with that length, grow where the fastest modes are at rest, and shrink
+        where stiffness or loads vary faster. Blocks are equally long; explicit methods get nodes between samples that
+        lie far apart, lest they run out of steps.
         """
         state, share, manifest = self.state, self.native.share, self.library.manifest
         quickest = fastest(self.library, self.at, self.p)

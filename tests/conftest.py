@@ -1,6 +1,10 @@
-"""What all tests share: a store of their own, so that nothing comes from, or goes to, the user's cache."""
+"""What all tests share: the command line, and a store of their own, so that nothing touches the user's cache."""
+
+import json
+import sys
 
 import pytest
+from ltcgear.runtime import cli
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -11,3 +15,50 @@ def store(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LTCGEAR_CACHE", str(folder))
         yield folder
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """Run a command line in this process; return exit code, stdout and stderr."""
+
+    def runner(*arguments):
+        monkeypatch.setattr(sys, "argv", ["ltcgear", *map(str, arguments)])
+        capsys.readouterr()
+        try:
+            cli.main()
+            code = 0
+        except SystemExit as stop:
+            code = stop.code or 0
+        out, err = capsys.readouterr()
+        assert "Traceback" not in out + err
+        return code, out, err
+
+    return runner
+
+
+@pytest.fixture
+def data(run):
+    """Run a command with --json; return its object, which must be all that stdout holds."""
+
+    def runner(*arguments, code=0):
+        found, out, err = run(*arguments, "--json")
+        assert found == code, err
+        assert len(out.splitlines()) == 1
+        shown = json.loads(out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+        assert isinstance(shown, dict)
+        return shown
+
+    return runner
+
+
+@pytest.fixture
+def refused(run):
+    """Run a command that must fail; return its message. Nothing may be on stdout."""
+
+    def runner(*arguments, code=2):
+        found, out, err = run(*arguments)
+        assert (found, out) == (code, ""), (out, err)
+        assert err.strip()
+        return err
+
+    return runner

@@ -1,7 +1,6 @@
 """`ltcgear accuracy`, and `ltcgear simulate --accuracy`: what they print, write, keep and refuse."""
 
 import json
-import sys
 
 import pytest
 from ltcgear.runtime import cli
@@ -10,22 +9,6 @@ from ltcgear.runtime.precision.phases import PHASES, measure_phases
 
 TIME = ("--t-end", "0.01")
 FEW = ("--method", "erk", "--method", "cvodes", "--rtol", "1e-3", "--rtol", "1e-6")
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run a command line in this process; return exit code, stdout and stderr."""
-
-    def runner(*arguments):
-        monkeypatch.setattr(sys, "argv", ["ltcgear", *map(str, arguments)])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-        out, err = capsys.readouterr()
-        assert "Traceback" not in out + err
-        return stop.value.code or 0, out, err
-
-    return runner
 
 
 @pytest.fixture

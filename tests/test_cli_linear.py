@@ -4,39 +4,10 @@ import csv
 import json
 import os
 import re
-import sys
 from html.parser import HTMLParser
 
 import pytest
-from ltcgear.runtime import cli
 from ltcgear.runtime.cli import linear
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run a command line in this process; return exit code, stdout and stderr."""
-
-    def runner(*arguments):
-        monkeypatch.setattr(sys, "argv", ["ltcgear", *map(str, arguments)])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-        out, err = capsys.readouterr()
-        assert "Traceback" not in out + err
-        return stop.value.code or 0, out, err
-
-    return runner
-
-
-@pytest.fixture
-def data(run):
-    def reader(*arguments):
-        code, out, err = run(*arguments, "--json")
-        assert (code, len(out.splitlines())) == (0, 1), err
-        return json.loads(out)
-
-    return reader
-
 
 KEYS = {
     "frequency_hz", "damping_ratio", "class", "energy",

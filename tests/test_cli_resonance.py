@@ -5,13 +5,11 @@ import json
 
 import pytest
 
-from test_cli import data, refused, run  # noqa: F401
-
 CAMPBELL = ("campbell", "psh", "--speed", "300:900:4", "--harmonics", "2")
 RESPONSE = ("response", "psh", "--excite", "psh.mesh", "--from", "100", "--to", "3000")
 
 
-def test_campbell_tells_modes_orders_and_crossings(data):  # noqa: F811
+def test_campbell_tells_modes_orders_and_crossings(data):
     found = data(*CAMPBELL)
     assert found["scene"] == "psh"
     assert (found["axis"], found["unit"]) == ("speed", "rpm")
@@ -29,7 +27,7 @@ def test_campbell_tells_modes_orders_and_crossings(data):  # noqa: F811
     assert first["mesh"] == "psh.mesh"
 
 
-def test_campbell_over_load_and_with_sidebands(data):  # noqa: F811
+def test_campbell_over_load_and_with_sidebands(data):
     found = data("campbell", "psh", "--load", "0.5:2:3", "--sidebands")
     assert found["values"] == [0.5, 1.0, 1.25, 2.0]
     assert {order["side"] for order in found["orders"]} == {""}  # a pair has neither carrier nor planets
@@ -38,7 +36,7 @@ def test_campbell_over_load_and_with_sidebands(data):  # noqa: F811
     assert all(item["force"] is None for item in planets["crossings"] if " pass" in item["order"])
 
 
-def test_response_tells_amplitudes_phases_and_peaks(data):  # noqa: F811
+def test_response_tells_amplitudes_phases_and_peaks(data):
     found = data(*RESPONSE)
     assert (found["excited"], found["unit"]) == ("psh.mesh", "m")
     assert (found["frequency_hz"][0], found["frequency_hz"][-1]) == (100, 3000)
@@ -54,7 +52,7 @@ def test_response_tells_amplitudes_phases_and_peaks(data):  # noqa: F811
 
 
 @pytest.mark.parametrize("command", [CAMPBELL, RESPONSE])
-def test_files(run, command, tmp_path):  # noqa: F811
+def test_files(run, command, tmp_path):
     for name in ("a.png", "a.csv", "a.json"):
         code, out, err = run(*command, "-o", tmp_path / name)
         assert (code, err) == (0, "")
@@ -69,7 +67,7 @@ def test_files(run, command, tmp_path):  # noqa: F811
     assert all("[" in name or "ratio" in name for name in rows[0])
 
 
-def test_tables_name_what_they_show(run, monkeypatch):  # noqa: F811
+def test_tables_name_what_they_show(run, monkeypatch):
     monkeypatch.setenv("COLUMNS", "150")
     _, out, _ = run(*CAMPBELL)
     assert "psh with mode 1" in out
@@ -78,7 +76,7 @@ def test_tables_name_what_they_show(run, monkeypatch):  # noqa: F811
     assert "1 um of transmission error of psh.mesh" in out
 
 
-def test_what_has_no_end_is_told_so(data, run, monkeypatch):  # noqa: F811
+def test_what_has_no_end_is_told_so(data, run, monkeypatch):
     found = data("response", "lin-parker-3", "--excite", "gear.sun_planet.1")
     peaks = [peak for output in found["outputs"] for peak in output["peaks"]]
     assert peaks
@@ -88,7 +86,7 @@ def test_what_has_no_end_is_told_so(data, run, monkeypatch):  # noqa: F811
     assert "undamped" in out
 
 
-def test_teeth_are_asked_for_where_there_is_no_order(run, data):  # noqa: F811
+def test_teeth_are_asked_for_where_there_is_no_order(run, data):
     scene = ("campbell", "lin-parker-3", "--speed", "0:100:2", "--set", "loads.sun.member=gear.sun")
     scene += ("--set", "loads.sun.speed=80 rpm")
     assert data(*scene)["orders"] == []
@@ -110,5 +108,5 @@ def test_teeth_are_asked_for_where_there_is_no_order(run, data):  # noqa: F811
         (("response", "psh", "--excite", "psh.mesh", "-o", "nowhere/a.png"), "does not exist"),
     ],
 )
-def test_what_cannot_be_is_refused(refused, arguments, words):  # noqa: F811
+def test_what_cannot_be_is_refused(refused, arguments, words):
     assert words in refused(*arguments)

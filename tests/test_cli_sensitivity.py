@@ -2,32 +2,14 @@
 
 import csv
 import json
-import sys
 
 import pytest
-from ltcgear.runtime import cli
 
 OUTPUT = ("--output", "mesh_force:psh.mesh", "--t-end", "0.01")
 
 
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """Run a command line in this process; return exit code, stdout and stderr."""
-
-    def runner(*arguments):
-        monkeypatch.setattr(sys, "argv", ["ltcgear", "sensitivity", *map(str, arguments)])
-        capsys.readouterr()
-        with pytest.raises(SystemExit) as stop:
-            cli.main()
-        out, err = capsys.readouterr()
-        assert "Traceback" not in out + err
-        return stop.value.code or 0, out, err
-
-    return runner
-
-
 def test_modes(run):
-    code, out, err = run("psh", "--json")
+    code, out, err = run("sensitivity", "psh", "--json")
     assert (code, len(out.splitlines())) == (0, 1), err
     shown = json.loads(out)
     assert [item["mode"] for item in shown["items"]] == [1, 2, 3, 4, 5]
@@ -37,25 +19,25 @@ def test_modes(run):
 
 
 def test_tables_tell_the_strongest(run):
-    code, out, _ = run("psh", "--mode", 1, "--top", 2)
+    code, out, _ = run("sensitivity", "psh", "--mode", 1, "--top", 2)
     assert code == 0
     assert out.index("psh.input.bearing.stiffness") < out.index("psh.input.mass")
     assert "psh.output.mass" not in out
-    code, out, _ = run("psh", *OUTPUT, "--measure", "vibration")
+    code, out, _ = run("sensitivity", "psh", *OUTPUT, "--measure", "vibration")
     assert code == 0
     assert "begins on a border of its mesh" in out
     assert out.index("psh.mesh.stiffness_single") < out.index("reference.speed")
 
 
 def test_files(run, tmp_path):
-    assert run("psh", *OUTPUT, "-o", tmp_path / "all.csv")[0] == 0
+    assert run("sensitivity", "psh", *OUTPUT, "-o", tmp_path / "all.csv")[0] == 0
     rows = list(csv.DictReader((tmp_path / "all.csv").read_text("utf-8").splitlines()))
-    shown = json.loads(run("psh", *OUTPUT, "--json")[1])["items"][0]["influences"]
+    shown = json.loads(run("sensitivity", "psh", *OUTPUT, "--json")[1])["items"][0]["influences"]
     assert [(row["parameter"], float(row["derivative"])) for row in rows] == [
         (row["parameter"], row["derivative"]) for row in shown
     ]
     for name in ("bars.png", "bars.svg", "bars.pdf"):
-        assert run("lin-parker-3", "-o", tmp_path / name)[0] == 0
+        assert run("sensitivity", "lin-parker-3", "-o", tmp_path / name)[0] == 0
         assert (tmp_path / name).stat().st_size > 10_000
 
 
@@ -76,12 +58,14 @@ def test_files(run, tmp_path):
     ],
 )
 def test_bad_input_is_refused(run, arguments, reason):
-    code, out, err = run(*arguments)
+    code, out, err = run("sensitivity", *arguments)
     assert (code, out) == (2, "")
     assert reason in err
 
 
 def test_a_window_in_which_nothing_moves_has_no_vibration(run):
-    code, _, err = run("hard-bounce", "--output", "mesh_force:pair.mesh", "--t-end", "0.001", "--measure", "vibration")
+    code, _, err = run(
+        "sensitivity", "hard-bounce", "--output", "mesh_force:pair.mesh", "--t-end", "0.001", "--measure", "vibration"
+    )
     assert code == 2
     assert "stays as it is" in err
