@@ -5,11 +5,15 @@ from typing import Any
 
 _HOME = {
     "build": "library",
+    "describe_modes": "linear.naming",
+    "differentiate_modes": "linear.sensitivity",
     "find_equilibrium": "equilibrium",
-    "find_modes": "modes",
+    "find_modes": "linear.modes",
     "integrate": "integration",
+    "linearise": "linear.system",
     "load": "results",
     "record": "recording",
+    "respond": "linear.response",
     "save": "results",
     "simulate": "simulation",
     "simulate_many": "ensemble",

@@ -10,7 +10,7 @@ import pytest
 from ltcgear.symbolic import build_model, load_scene
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("README.md", "docs/scenes.md", "docs/ensembles.md")
+PAGES = ("README.md", "docs/scenes.md", "docs/ensembles.md", "docs/modes.md")
 
 
 def blocks(page, language):

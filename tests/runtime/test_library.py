@@ -11,6 +11,7 @@ import textwrap
 from pathlib import Path
 
 import pytest
+from ltcgear import runtime, symbolic
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
 from ltcgear.runtime.library import load
@@ -223,3 +224,11 @@ def test_what_the_compiler_refuses_is_told_as_such():
 
     with pytest.raises(CompileError, match=r"^refused$"):
         load(make, lambda path: path)
+
+
+@pytest.mark.parametrize("package", [runtime, symbolic])
+def test_every_public_name_is_there(package):
+    for name in package.__all__:
+        assert callable(getattr(package, name))
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = package.nothing
