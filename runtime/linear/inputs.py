@@ -126,7 +126,7 @@ def find_input(linear: Linear, name: str) -> MeshPath | TorqueInput:
 def _unknown(name: str, meshes: list[str], loads: list[str]) -> str:
     """Say that nothing of that name excites, and what does."""
     near = get_close_matches(name, [*meshes, *loads], 1, 0.4)
-    guess = f"; did you mean {near[0]}?" if near else ""
+    guess = f"; did you mean {near[0]}?" if near else "."
     shown = ", ".join([*meshes[:4], *(["..."] if len(meshes) > 4 else [])]) or "none"
     return (
         f"excite {name}: neither a mesh nor a load whose torque is given{guess} "
