@@ -46,6 +46,17 @@ def shipped_scenes() -> list[str]:
     return sorted(Path(entry.name).stem for entry in SHIPPED.iterdir() if entry.name.endswith(".toml"))
 
 
+def read_scene_text(source: str | Path) -> str:
+    """Return the text of a scene as it was written, for result files to keep.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read.
+    """
+    return _read(source)[1]
+
+
 def load_scene(source: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
     """Read a scene.
 

@@ -26,7 +26,15 @@ class Opened:
     model: "Model"
     artifact: Artifact
     key: str
+    text: str
+    changes: dict[str, str]
     seconds: dict[str, float] = field(default_factory=dict)
+
+    def attributes(self) -> dict[str, object]:
+        """Return what a result keeps of its scene: all numbers with their sources, and the text as it was written."""
+        scene = self.scene
+        told: dict[str, object] = {"scene": scene.name, "title": scene.title, "scene_json": scene.model_dump_json()}
+        return told | {"scene_text": self.text, "changes": self.changes}
 
 
 def split_changes(pairs: list[str] | None) -> dict[str, str]:
@@ -47,16 +55,17 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False)
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import content_key, obtain
     from ltcgear.symbolic.report import load_warnings
-    from ltcgear.symbolic.scene import load_scene
+    from ltcgear.symbolic.scene import load_scene, read_scene_text
 
     clock = perf_counter()
-    scene = load_scene(name, split_changes(changes))
+    replaced = split_changes(changes)
+    scene = load_scene(name, replaced)
     model = build_model(scene)
     seconds = {"load": perf_counter() - clock}
     for line in [*warnings(scene, model), *load_warnings(scene)]:
         print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
     artifact = obtain(model, lambda stage, taken: seconds.update({stage: taken}), fresh)
-    return Opened(scene, model, artifact, content_key(model), seconds)
+    return Opened(scene, model, artifact, content_key(model), read_scene_text(name), replaced, seconds)
 
 
 def compile_model(opened: Opened) -> "Library":

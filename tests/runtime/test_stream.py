@@ -60,7 +60,7 @@ def test_a_streamed_result_is_the_one_in_memory(tmp_path, monkeypatch, settings,
     monkeypatch.setattr(sampling, "BLOCK", 10**9)
     monkeypatch.setattr(integration, "MARK_SECONDS", np.inf)
     kept = keep(c, oversample=oversample, attributes={"scene": "psh"})
-    found = load(tmp_path / "a.nc")
+    found = load(tmp_path / "a.nc").dataset
     assert found.sizes["time"] == 1001
     assert np.ptp(found["mesh_force"].values) > 1e3
     assert_same(found, kept.dataset)
@@ -76,7 +76,7 @@ def test_a_failed_run_keeps_its_samples_and_leaves_nothing_to_go_on_from(tmp_pat
     monkeypatch.setattr(stepper, "MOST_STEPS", 2)
     summary = write(c, tmp_path / "a.nc", method="cvodes")
     assert summary["status"].startswith("cvodes stopped at t = ")
-    found = load(tmp_path / "a.nc")
+    found = load(tmp_path / "a.nc").dataset
     assert found.attrs["status"] == summary["status"]
     assert found.sizes["time"] >= 1
     assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
