@@ -161,7 +161,7 @@ def draw_bearings(loads: Sequence[BearingLoad]) -> Figure:
 def carrier_turns(dataset: xr.Dataset, stage: str) -> FloatArray | None:
     """Return the turns of a stage's carrier since the span's begin [1], shape (n,); None where it stands."""
     name = f"{stage}.carrier"
-    if "reference_angle" not in dataset or name not in list_items(dataset, "twist"):
+    if name not in list_items(dataset, "twist"):
         return None
     from .orders import TURN, shaft_angle
 

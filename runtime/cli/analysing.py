@@ -7,7 +7,7 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 
 from .. import present
-from ..options import AsJson
+from ..options import AsJson, ResultPath
 from ..progress import progress
 from .app import app
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ..linear.modes import Mode
 
 FORMATS = ("png", "svg", "pdf")
-Result = Annotated[Path, typer.Argument(metavar="FILE.nc", help="A result that `ltcgear simulate -o` wrote.")]
 From = Annotated[
     float | None, typer.Option("--from", help="First instant [s].", show_default="the middle of the record")
 ]
@@ -54,7 +53,7 @@ Format = Annotated[str, typer.Option("--format", help="Format of the figures: pn
 
 @app.command()
 def analyse(
-    file: Result, start: From = None, stop: To = None, output: Outputs = None, shaft: Shaft = None, band: Band = None,
+    file: ResultPath, start: From = None, stop: To = None, output: Outputs = None, shaft: Shaft = None, band: Band = None,
     window: Window = "hann", resolution: Resolution = None, lines: Lines = 12, modes: Named = True,
     folder: Folder = None, form: Format = "png", as_json: AsJson = False,
 ) -> None:  # fmt: skip
@@ -69,7 +68,7 @@ def analyse(
         raise LtcgearError(f"--format {form}: must be one of {', '.join(FORMATS)}")
     if folder is not None:
         make_folder(folder)
-    dataset = load(file)
+    dataset = load(file).dataset
     options = Options(start, stop, tuple(output or ()), shaft, edges, window, resolution, lines)
     notes = list(_state(dataset))
     known = _modes(dataset, notes) if modes else []
