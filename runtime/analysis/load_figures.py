@@ -10,7 +10,7 @@ import numpy as np
 from ..plots import BLUE, GREY, ORANGE, VERMILLION, finish_axes, make_canvas
 from ..statistics import mesh_frequencies, stage_of
 from .bearings import BearingLoad
-from .drawing import HEIGHT, WIDTH, label_axes, open_axes, scale_of, style_of, thin
+from .drawing import HEIGHT, WIDTH, columns_for, label_axes, open_axes, scale_of, style_of, thin
 from .duration import LoadDuration
 from .sharing import LoadShare, list_groups
 from .trace import FloatArray, list_items, pick, read_trace
@@ -45,10 +45,11 @@ def draw_forces(dataset: xr.Dataset, group: str) -> Figure:
     last = f"The last {1e3 * (time[-1] - time[close][0]):.3g} ms"
     label_axes(above, f"Normal mesh forces of {group}", "time [s]", f"force [{unit}]")
     label_axes(below, last, "time [s]", f"force [{unit}]")
+    columns = columns_for(len(traces))
     for number, one in enumerate(traces):
         colour, dash = style_of(number)
         label = one.name.partition(":")[2]
-        above.plot(*thin(time, one.values / size), dash, color=colour, lw=0.7, label=label)
+        above.plot(*thin(time, one.values / size, columns), dash, color=colour, lw=0.7, label=label)
         below.plot(*thin(time[close], one.values[close] / size), dash, color=colour, lw=1.1, label=label)
     for axes in (above, below):
         axes.margins(x=0.0)
@@ -83,7 +84,7 @@ def draw_shares(share: LoadShare, turns: FloatArray | None = None) -> Figure:
         curve = share.share[:, number]
         known = np.isfinite(curve)
         text = f"{mesh}: mean {share.mean[number]:.3f}"
-        axes.plot(*thin(x[known], curve[known]), dash, color=colour, lw=0.9, label=text)
+        axes.plot(*thin(x[known], curve[known], columns_for(len(share.meshes))), dash, color=colour, lw=0.9, label=text)
     axes.axhline(1.0, color="black", lw=0.8, ls=":", label="equal share")
     axes.margins(x=0.0)
     finish_axes(axes)
@@ -104,7 +105,9 @@ def draw_transmission_error(errors: Sequence[TransmissionError]) -> Figure:
     for number, error in enumerate(shown):
         colour, dash = style_of(number)
         label = f"{error.mesh}, by {error.definition}\npeak to peak {error.peak_to_peak / size:.3g} {unit}"
-        above.plot(*thin(error.time, error.value / size), dash, color=colour, lw=0.8, label=label)
+        above.plot(
+            *thin(error.time, error.value / size, columns_for(len(shown))), dash, color=colour, lw=0.8, label=label
+        )
         places = np.arange(1, len(error.harmonics) + 1) + (number - 0.5 * (len(shown) - 1)) * width
         heights = np.nan_to_num(np.array(error.harmonics)) / size
         below.bar(places, heights, width, color=colour, label=f"{error.mesh}, by {error.definition}")
