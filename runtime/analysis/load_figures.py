@@ -147,7 +147,7 @@ def draw_bearings(loads: Sequence[BearingLoad]) -> Figure:
     size, unit = scale_of("N", max((load.largest for load in loads), default=0.0))
     figure = make_canvas(WIDTH, max(HEIGHT, 1.6 + 0.36 * len(loads)))
     axes = figure.add_subplot()
-    label_axes(axes, "Forces of bearings and pins", f"magnitude of the force [{unit}]", "bearing or pin [name]")
+    label_axes(axes, "Forces of bearings and pins", f"magnitude of the force [{unit}]", "bearing or pin")
     places = np.arange(len(loads))[::-1]
     for shift, colour, word, values in (
         (0.27, BLUE, "root mean square", [load.rms for load in loads]),
