@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
     from .trace import FloatArray
 
-REACH = 4.0
-"""Highest frequency of spectrograms and waterfalls over that of the fastest mesh."""
+REACH, BINS = 4.0, 32
+"""Highest frequency of spectrograms and waterfalls over that of the fastest mesh, and bins shown at least."""
 
 
 def draw_survey(found: Survey) -> Iterator[tuple[str, Figure]]:
@@ -65,7 +65,7 @@ def _draw_seen(found: Survey, seen: Seen) -> Iterator[tuple[str, Figure]]:
         yield f"orders-{name}", draw_spectrum(seen.orders, seen.order_lines)
     end = float(seen.waterfall.frequency[-1])
     fastest = max((float(course.max()) for course in seen.courses.values()), default=end)
-    highest = min(end, REACH * fastest)
+    highest = min(end, max(REACH * fastest, BINS * seen.waterfall.resolution))
     yield f"spectrogram-{name}", draw_spectrogram(seen.waterfall, seen.courses, highest)
     yield f"waterfall-{name}", draw_waterfall(seen.waterfall, seen.courses, highest)
     yield f"envelope-{name}", draw_envelope(seen.envelope, seen.envelope_lines)

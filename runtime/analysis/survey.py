@@ -258,7 +258,7 @@ def _durations(part: xr.Dataset, leads: Sequence[str]) -> list[LoadDuration]:
     return [
         find_load_duration(pick(part, "mesh_force", mesh), phase)
         for mesh, phase in phases.items()
-        if phase is not None and np.ptp(phase.values) > 0.0
+        if phase is not None and np.ptp(phase.values) >= 1.0
     ]
 
 

@@ -28,6 +28,7 @@ from ltcgear.runtime.plots import save_figure
 from ltcgear.runtime.simulation import simulate
 
 from .models import case
+from .synthetic import make_dataset
 from .test_load_sharing import shares
 
 KINDS = {
@@ -317,3 +318,21 @@ def test_of_two_flanks_with_backlash_the_loaded_one_is_told():
     assert [error.mesh for error in found.errors] == ["pair.mesh.back", "pair.mesh"]
     assert [one.name for one in found.durations] == ["mesh_force:pair.mesh.back"]
     assert np.isfinite(found.errors[0].harmonics).all()
+
+
+def test_a_dataset_of_few_quantities_is_analysed():
+    found = analyse(make_dataset())
+    assert {seen.lines[0].name for seen in found.seen} == {"1 lsp", "1 hsp", "1 psh"}
+    assert {band.centre[0] for seen in found.seen for band in seen.sidebands} <= {"1 lsp", "1 hsp", "1 psh"}
+    assert found.errors == ()
+    assert found.orbits == ()
+
+
+def test_a_train_at_rest_is_analysed():
+    """Nothing turns and nothing vibrates: no lines, no shafts, no durations, and figures all the same."""
+    found = analyse(simulated("lin-parker-4", t_end=0.02, rate=8192.0).dataset)
+    assert found.clues.meshes == found.clues.shafts == {}
+    assert found.durations == ()
+    assert not [note for note in found.notes if "smeared" in note]
+    for _, figure in draw_survey(found):
+        check_axes(figure)
