@@ -10,7 +10,10 @@ import pytest
 from ltcgear.symbolic import build_model, load_scene
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("README.md", "docs/scenes.md", "docs/ensembles.md", "docs/modes.md")
+PAGES = (
+    "README.md", "docs/getting-started.md", "docs/from-drawing.md", "docs/scenes.md", "docs/ensembles.md",
+    "docs/modes.md",
+)  # fmt: skip
 
 
 def blocks(page, language):

@@ -1,0 +1,75 @@
+"""How Sphinx builds the site (`make site`): Markdown pages, a gallery that is executed, Python from docstrings."""
+
+import logging
+import re
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+import matplotlib as mpl
+from pygments.lexers.special import TextLexer
+from sphinx.application import Sphinx
+from sphinx.errors import ExtensionError
+
+mpl.use("agg")
+logging.getLogger("pint").setLevel(logging.ERROR)  # it tells that rpm gets another meaning, which is meant
+
+project = "ltcgear"
+author = "ltcgear developers"
+version = release = version_of("ltcgear")
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.napoleon",
+    "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_build", "gallery"]
+suppress_warnings = ["config.cache"]  # sphinx-gallery's configuration holds a function
+
+# Every heading can be linked to as on a forge: [contact](effects.md#contact).
+myst_heading_anchors = 4
+myst_links_external_new_tab = False
+
+autosummary_generate = False
+autodoc_typehints = "signature"
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "examples",
+    "filename_pattern": r"/plot_",
+    "within_subsection_order": "FileNameSortKey",
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "show_signature": False,
+    "write_computation_times": False,  # that page loads scripts from elsewhere
+    "min_reported_time": 1,
+    "remove_config_comments": True,
+}
+
+html_theme = "furo"
+html_title = "ltcgear"
+html_copy_source = False
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+
+LOADED = re.compile(r'<(?:script|link|img|iframe)\b[^>]*?(?:src|href)="((?:https?:)?//[^"]+)"')
+
+
+def refuse_foreign_files(app: Sphinx, error: Exception | None) -> None:
+    """Stop where a page would load something from elsewhere, as mathematics by a script would."""
+    pages = () if error else sorted(Path(app.outdir).rglob("*.html"))
+    found = {f"{page.name}: {address}" for page in pages for address in LOADED.findall(page.read_text("utf-8"))}
+    if found:
+        raise ExtensionError("pages load files from elsewhere:\n" + "\n".join(sorted(found)))
+
+
+def setup(app: Sphinx) -> None:
+    """Look at the pages once they are written; show CSV as plain text."""
+    app.add_lexer("csv", TextLexer)
+    app.connect("build-finished", refuse_foreign_files)
