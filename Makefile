@@ -31,7 +31,7 @@ docs: .venv/rig
 
 # The pages, the gallery and what Python offers as a web site, docs/_build/html; any warning is an error.
 site: .venv/docs
-	LTCGEAR_CACHE=$${LTCGEAR_CACHE:-$(CURDIR)/docs/_build/store} $(BIN)/sphinx-build -W --keep-going --quiet docs docs/_build/html
+	LTCGEAR_CACHE=$${LTCGEAR_CACHE:-$(CURDIR)/docs/_build/store} $(BIN)/sphinx-build -W --keep-going --write-all --quiet docs docs/_build/html
 
 .venv/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "ltcgear needs Python 3.11 or newer; run make PYTHON=python3.x")'

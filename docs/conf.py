@@ -4,6 +4,7 @@ import logging
 import re
 from importlib.metadata import version as version_of
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from pygments.lexers.special import TextLexer
@@ -39,11 +40,21 @@ napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
 
+# Okabe and Ito's colours, told apart by colour-blind readers.
+COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#777777"]
+
+
+def draw_in_our_colours(configuration: dict[str, Any], name: str) -> None:
+    """Give every example the colours of ltcgear's own figures (sphinx-gallery begins each with matplotlib's)."""
+    mpl.rcParams["axes.prop_cycle"] = mpl.cycler(color=COLOURS)
+
+
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "examples",
     "filename_pattern": r"/plot_",
     "within_subsection_order": "FileNameSortKey",
+    "reset_modules": ("matplotlib", draw_in_our_colours),
     "abort_on_example_error": True,
     "download_all_examples": False,
     "show_signature": False,
@@ -55,6 +66,9 @@ sphinx_gallery_conf = {
 html_theme = "furo"
 html_title = "ltcgear"
 html_copy_source = False
+html_show_copyright = False
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
 

@@ -2,15 +2,15 @@
 Your own scene
 ==============
 
-A scene file is read, changed by key, and simulated. The file is ``winch.toml`` of the guide :doc:`/from-drawing`: a
-winch drive with one planetary stage.
+A scene file is read, changed by key, and simulated. The file is ``winch.toml`` of the
+guide :doc:`/from-drawing`: a winch drive with one planetary stage.
 """
 
 # %%
 # Read it
 # -------
-# ``load_scene`` takes a path, or the name of a shipped scene. Values are in SI from here on, and where each number
-# comes from is kept.
+# ``load_scene`` takes a path, or the name of a shipped scene. Values are in SI from here
+# on, and where each number comes from is kept.
 
 from pathlib import Path
 
@@ -27,12 +27,17 @@ print("...", scene.stages["gear"].module, "m;", scene.sources["stages.gear.modul
 # %%
 # What is wrong with it
 # ---------------------
-# Every defect is told with its key, the reason and the cure, all of them at once. The second argument changes
-# values by their keys, as ``--set`` does on the command line.
+# Every defect is told with its key, the reason and the cure, all of them at once. The
+# second argument changes values by their keys, as ``--set`` does on the command line.
 
 try:
     load_scene(
-        path, {"effects.contact": "gap", "couplings.drum_shaft.stiffness": "1.29e6 N*m", "loads.drum.member": "drun"}
+        path,
+        {
+            "effects.contact": "gap",
+            "couplings.drum_shaft.stiffness": "1.29e6 N*m",
+            "loads.drum.member": "drun",
+        },
     )
 except SceneError as error:
     print(error)
@@ -40,8 +45,9 @@ except SceneError as error:
 # %%
 # Change it
 # ---------
-# One pin is 40 um away from its place, along the pin circle. How far the planets share the load then depends on the
-# sun: one that floats moves until they do, one in a stiff bearing cannot.
+# One pin is 40 um away from its place, along the pin circle. How far the planets share
+# the load then depends on the sun: one that floats moves until they do, one in a stiff
+# bearing cannot.
 
 error = {
     "effects.planet_position_error": "on",
@@ -57,15 +63,25 @@ for name, changes in {"floating sun": error, "sun in a bearing": error | held}.i
     result = simulate(build(generate(model)), model.values(), t_end=0.4, rate=8192.0)
     found = result.summary["forces"]
     forces[name] = [found[f"gear.sun_planet.{i}"]["mean"] for i in (1, 2, 3)]
-    print(f"{name}: {result.summary['status']}, mean forces {', '.join(f'{force:.0f}' for force in forces[name])} N")
+    print(name, result.summary["status"], [f"{force:.0f} N" for force in forces[name]])
 
 # %%
-# The supports are structure, so each of the two is a model of its own, with its own C; numbers alone would need none.
+# The supports are structure, so each of the two is a model of its own, with its own C;
+# numbers alone would need none.
 
 figure, axes = plt.subplots(layout="constrained")
 for shift, (name, values) in zip((-0.2, 0.2), forces.items(), strict=True):
-    axes.bar([i + shift for i in (1, 2, 3)], [value / 1e3 for value in values], width=0.36, label=name)
-axes.set(title="Sun against planets, one pin 40 um out of place", xlabel="planet", ylabel="mean normal force [kN]")
+    axes.bar(
+        [i + shift for i in (1, 2, 3)],
+        [value / 1e3 for value in values],
+        width=0.36,
+        label=name,
+    )
+axes.set(
+    title="Sun against planets, one pin 40 um out of place",
+    xlabel="planet",
+    ylabel="mean normal force [kN]",
+)
 axes.set_xticks([1, 2, 3])
 axes.legend()
 plt.show()

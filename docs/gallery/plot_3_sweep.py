@@ -2,8 +2,9 @@
 A sweep
 =======
 
-Every number of a scene is a parameter of the compiled model, so a sweep compiles once. ``simulate_many`` spreads the
-runs over all cores. Here the speed of a parallel pair is swept, and its dynamic factor drawn over the mesh frequency.
+Every number of a scene is a parameter of the compiled model, so a sweep compiles once.
+``simulate_many`` spreads the runs over all cores. Here the speed of a parallel pair is
+swept, and its dynamic factor drawn over the mesh frequency.
 """
 
 # %%
@@ -22,7 +23,8 @@ values = model.values()
 print([name for name in values if name.startswith(("loads.", "reference."))])
 
 # %%
-# Parameter sets are dictionaries, in SI. One number that changes is enough here: other speeds follow from it.
+# Parameter sets are dictionaries, in SI. One number that changes is enough here: other
+# speeds follow from it.
 
 mesh_frequency = np.linspace(150.0, 1400.0, 51)
 per_speed = 59 / tau  # the input wheel has 59 teeth
@@ -38,7 +40,11 @@ factor = np.array([run.summary["forces"]["psh.mesh"]["load_factor"] for run in r
 figure, axes = plt.subplots(layout="constrained")
 axes.plot(mesh_frequency, factor, marker=".", label="psh.mesh")
 axes.axvline(628.3, color="0.6", linestyle=":", label="scene's own speed")
-axes.set(title="Load factor over speed", xlabel="mesh frequency [Hz]", ylabel="largest over mean mesh force [1]")
+axes.set(
+    title="Load factor over speed",
+    xlabel="mesh frequency [Hz]",
+    ylabel="largest over mean mesh force [1]",
+)
 axes.legend()
 plt.show()
 print(f"largest factor {factor.max():.3f} at {mesh_frequency[factor.argmax()]:.0f} Hz")

@@ -2,14 +2,15 @@
 Modes and a Campbell diagram
 ============================
 
-The compiled model is linearised at its loaded equilibrium. Its eigenfrequencies are compared with published ones, and
-the orders of the meshes are laid over them.
+The compiled model is linearised at its loaded equilibrium. Its eigenfrequencies are
+compared with published ones, and the orders of the meshes are laid over them.
 """
 
 # %%
 # Published frequencies
 # ---------------------
-# ``lin-parker-4`` is the planetary gear of Lin and Parker 1999, J. Vib. Acoust. 121:316, with four planets, at rest.
+# ``lin-parker-4`` is the planetary gear of Lin and Parker 1999, J. Vib. Acoust. 121:316,
+# with four planets, at rest.
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -23,17 +24,20 @@ library = build(generate(model))
 p = library.parameters(model.values())
 linear = linearise(library, p, find_equilibrium(library, p))
 for mode in describe_modes(linear, find_modes(linear)):
-    print(f"{mode.frequency_hz:10.2f} Hz  {mode.kind:14s} x{mode.multiplicity}  {mode.name}")
+    print(
+        f"{mode.frequency_hz:10.2f} Hz  {mode.kind:14s} x{mode.multiplicity}  {mode.name}"
+    )
 
 # %%
-# For the translational modes the paper prints 727.0, 1091.0, 1892.8, 2342.5, 7189.9 and 10437.6 Hz.
+# For the translational modes the paper prints 727.0, 1091.0, 1892.8, 2342.5, 7189.9 and
+# 10437.6 Hz.
 
 # %%
 # Campbell
 # --------
-# Gyroscopic terms and the equilibrium depend on speed, so the modes are followed from speed to speed. Where an
-# order of a mesh crosses an eigenfrequency there is a resonance; ``ltcgear campbell`` also tells how strongly the
-# order excites it.
+# Gyroscopic terms and the equilibrium depend on speed, so the modes are followed from
+# speed to speed. Where an order of a mesh crosses an eigenfrequency there is a
+# resonance; ``ltcgear campbell`` also tells how strongly the order excites it.
 
 model = build_model(load_scene("winch.toml"))
 library = build(generate(model))
@@ -45,8 +49,18 @@ figure, axes = plt.subplots(layout="constrained")
 for column in range(campbell.tracks.shape[1]):
     axes.plot(campbell.values, campbell.frequencies(column), color="0.3", linewidth=1)
 for order in orders:
-    axes.plot(campbell.values, order.order * campbell.values / 60, linestyle="--", label=order.name)
+    axes.plot(
+        campbell.values,
+        order.order * campbell.values / 60,
+        linestyle="--",
+        label=f"mesh order {order.name}",
+    )
 axes.axvline(campbell.home, color="0.6", linestyle=":", label="scene's own speed")
-axes.set(title="Winch drive", xlabel="speed of the motor [rpm]", ylabel="frequency [Hz]", ylim=(0, 2500))
+axes.set(
+    title="Winch drive",
+    xlabel="speed of the motor [rpm]",
+    ylabel="frequency [Hz]",
+    ylim=(0, 2500),
+)
 axes.legend()
 plt.show()

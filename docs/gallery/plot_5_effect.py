@@ -2,17 +2,19 @@
 A new element
 =============
 
-A rubber coupling stiffens as it winds up. ltcgear has no such law, so this page writes one: its energy and its torque
-by hand, the product's own checks on both, the C with it, and a run against the closed form.
+A rubber coupling stiffens as it winds up. ltcgear has no such law, so this page writes
+one: its energy and its torque by hand, the product's own checks on both, the C with it,
+and a run against the closed form.
 """
 
 # %%
 # The element
 # -----------
-# An element joins ports (the motion of bodies as it sees them). It is written down twice, and the two share nothing
-# but symbols: ``potential`` and ``dissipation``, from which Lagrange's forces follow, and ``wrench``, the force and
-# torque on each port, by hand. With the twist phi = theta_1 - theta_2 the law is T = k phi + k_3 phi^3, Duffing's,
-# and a damper.
+# An element joins ports (the motion of bodies as it sees them). It is written down
+# twice, and the two share nothing but symbols: ``potential`` and ``dissipation``, from
+# which Lagrange's forces follow, and ``wrench``, the force and torque on each port, by
+# hand. With the twist phi = theta_1 - theta_2 the law is T = k phi + k_3 phi^3,
+# Duffing's, and a damper.
 
 from dataclasses import replace
 
@@ -53,8 +55,9 @@ TYPES["stiffening_coupling"] = stiffening_coupling
 # %%
 # Where it works
 # --------------
-# The scene has an ordinary coupling. Its instance in the model is given the new type and one parameter more; ``bind``
-# says which parameter of the model each symbol of the element is.
+# The scene has an ordinary coupling. Its instance in the model is given the new type and
+# one parameter more; ``bind`` says which parameter of the model each symbol of the
+# element is.
 
 scene = (
     SceneBuilder("rubber coupling")
@@ -74,7 +77,8 @@ def stiffened(model, element=("stiffening_coupling",)):
     """Put the new element in the coupling's place."""
     bind = linear_coupling.bind | {"k_3": "couplings.rubber.cubic"}
     instances = tuple(
-        replace(item, element=element, bind=bind) if item == linear_coupling else item for item in model.instances
+        replace(item, element=element, bind=bind) if item == linear_coupling else item
+        for item in model.instances
     )
     number = Parameter("couplings.rubber.cubic", 6.0e5, "N*m/rad^3")
     return replace(model, instances=instances, parameters=(*model.parameters, number))
@@ -85,21 +89,24 @@ model = stiffened(plain)
 # %%
 # The checks
 # ----------
-# ``check_model`` is what ``ltcgear check`` runs: here it proves symbol by symbol that the energies give the torque,
-# that the element does not mind how it is turned, that its units fit, and it compares two derivations of the whole
-# model.
+# ``check_model`` is what ``ltcgear check`` runs: here it proves symbol by symbol that
+# the energies give the torque, that the element does not mind how it is turned, that its
+# units fit, and it compares two derivations of the whole model.
 
 for check in check_model(model):
     print("passed" if check.passed else "FAILED", check.name)
 
 # %%
-# The same check stands before every emission. With a sign wrong in the force by hand, no C comes out:
+# The same check stands before every emission. With a sign wrong in the force by hand, no
+# C comes out:
 
 
 def wrong_coupling() -> Element:
     """Write the same element with a mistake."""
     right = stiffening_coupling()
-    return replace(right, name="wrong_coupling", wrench=tuple(w.subs(K3, -K3) for w in right.wrench))
+    return replace(
+        right, name="wrong_coupling", wrench=tuple(w.subs(K3, -K3) for w in right.wrench)
+    )
 
 
 TYPES["wrong_coupling"] = wrong_coupling
@@ -131,13 +138,17 @@ at = find_equilibrium(library, p, tables=model.tables)
 (mode,) = [mode for mode in find_modes(linearise(library, p, at)) if mode.kind != "rigid"]
 twist = max(np.roots([6.0e5, 0.0, 8000.0, -900.0]), key=np.real).real
 frequency = np.sqrt((8000.0 + 3 * 6.0e5 * twist**2) / 3.0) / (2 * np.pi)
-print(f"wind-up {twist:.6f} rad; eigenfrequency {mode.frequency_hz:.5f} Hz, closed form {frequency:.5f} Hz")
+print(f"wind-up {twist:.6f} rad")
+print(f"eigenfrequency {mode.frequency_hz:.5f} Hz, closed form {frequency:.5f} Hz")
 assert abs(mode.frequency_hz / frequency - 1) < 1e-6
 
 # %%
-# And in time: the pump's torque ends at 0.05 s. SciPy integrates the one equation of motion beside it.
+# And in time: the pump's torque ends at 0.05 s. SciPy integrates the one equation of
+# motion beside it.
 
-result = simulate(library, model.values(), tables=model.tables, t_end=0.6, rate=2000.0, rtol=1e-8)
+result = simulate(
+    library, model.values(), tables=model.tables, t_end=0.6, rate=2000.0, rtol=1e-8
+)
 time = result.dataset["time"].values
 found = -result.dataset["twist"].sel(rotor="pump").values
 
@@ -145,10 +156,15 @@ found = -result.dataset["twist"].sel(rotor="pump").values
 def pump(t, state):
     """Return the rates of the twist and of its rate."""
     load = np.interp(t, [0.05, 0.0501], [900.0, 0.0])
-    return [state[1], (load - 8000.0 * state[0] - 6.0e5 * state[0] ** 3 - 4.0 * state[1]) / 3.0]
+    return [
+        state[1],
+        (load - 8000.0 * state[0] - 6.0e5 * state[0] ** 3 - 4.0 * state[1]) / 3.0,
+    ]
 
 
-beside = solve_ivp(pump, (0.0, time[-1]), [twist, 0.0], t_eval=time, rtol=1e-10, atol=1e-12, max_step=1e-3).y[0]
+beside = solve_ivp(
+    pump, (0.0, time[-1]), [twist, 0.0], t_eval=time, rtol=1e-10, atol=1e-12, max_step=1e-3
+).y[0]
 print(f"largest difference {np.abs(found - beside).max():.1e} rad")
 assert np.abs(found - beside).max() < 1e-6
 
@@ -162,18 +178,22 @@ plt.show()
 # %%
 # Into the house
 # --------------
-# ``TYPES`` is the one list of element types, so an element from outside works as those from inside do. One thing it
-# cannot do: ``ltcgear.symbolic.pipeline.obtain``, which keeps C between runs, does not see a change of an element
-# that stands outside; use ``generate``. To make such a law part of ltcgear, so that a scene can call for it:
+# ``TYPES`` is the one list of element types, so an element from outside works as those
+# from inside do. One thing it cannot do: ``ltcgear.symbolic.pipeline.obtain``, which
+# keeps C between runs, does not see a change of an element that stands outside; use
+# ``generate``. To make such a law part of ltcgear, so that a scene can call for it:
 #
-# 1. The element goes into a file in ``symbolic/elements``, with its source, and into ``TYPES``. What it reports is
-#    named in ``QUANTITIES`` of ``symbolic/equations.py``.
-# 2. The effect is a row in ``symbolic/effects.py``: name, values, the value that leaves it out, help, source, what
-#    it needs and excludes. Validation, help, costs and the page :doc:`/effects` follow from it.
-# 3. Its numbers get a key with a unit in ``symbolic/schema.py``, where ``faults`` tells what is wrong with them.
-# 4. ``symbolic/build`` places the instance when the effect is on, and nothing otherwise: ``draft.number`` for each
-#    parameter, ``draft.place`` for the element.
-# 5. Tests: a closed form or a published number for the law; data for every pair of effects
-#    (``tests/runtime/everything.py``) and a variant for the energy balance (``variants.py`` beside it). The checks
-#    above need nothing: they take every element type of a model. :doc:`/scenes` gets the key, :doc:`/method` the
-#    law, and ``make docs regenerate`` rewrites what follows from the code.
+# 1. The element goes into a file in ``symbolic/elements``, with its source, and into
+#    ``TYPES``. What it reports is named in ``QUANTITIES`` of ``symbolic/equations.py``.
+# 2. The effect is a row in ``symbolic/effects.py``: name, values, the value that leaves
+#    it out, help, source, what it needs and excludes. Validation, help, costs and the
+#    page :doc:`/effects` follow from it.
+# 3. Its numbers get a key with a unit in ``symbolic/schema.py``, where ``faults`` tells
+#    what is wrong with them.
+# 4. ``symbolic/build`` places the instance when the effect is on, and nothing otherwise:
+#    ``draft.number`` for each parameter, ``draft.place`` for the element.
+# 5. Tests: a closed form or a published number for the law; data for every pair of
+#    effects (``tests/runtime/everything.py``) and a variant for the energy balance
+#    (``variants.py`` beside it). The checks above need nothing: they take every element
+#    type of a model. :doc:`/scenes` gets the key, :doc:`/method` the law, and ``make
+#    docs regenerate`` rewrites what follows from the code.
