@@ -59,8 +59,14 @@ def _row(parameter: Any) -> str:  # noqa: ANN401
     else:
         taken = "" if parameter.is_flag else f" {parameter.metavar or 'VALUE'}"
         given = ", ".join(f"`{option}{taken}`" for option in _options(parameter))
-    meaning = (parameter.help or "") + " May be given several times." * bool(getattr(parameter, "multiple", False))
-    return f"| {_cell(given)} | {_cell(_default(parameter))} | {_cell(meaning)} |\n"
+    return f"| {_cell(given)} | {_cell(_default(parameter))} | {_cell(_meaning(parameter))} |\n"
+
+
+def _meaning(parameter: Any) -> str:  # noqa: ANN401
+    """Return the help, and whether an option may be given again where the help does not say it."""
+    text = parameter.help or ""
+    told = " again" in text or not getattr(parameter, "multiple", False)
+    return str(text) if told else f"{text} May be given again."
 
 
 def _options(option: Any) -> Iterator[str]:  # noqa: ANN401
