@@ -31,6 +31,7 @@ docs: .venv/rig
 
 # The pages, the gallery and what Python offers as a web site, docs/_build/html; any warning is an error.
 site: .venv/docs
+	rm -rf docs/examples
 	LTCGEAR_CACHE=$${LTCGEAR_CACHE:-$(CURDIR)/docs/_build/store} $(BIN)/sphinx-build -W --keep-going --write-all --quiet docs docs/_build/html
 
 .venv/bin/python:

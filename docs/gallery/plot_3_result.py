@@ -20,7 +20,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import xarray as xr
 from ltcgear.runtime import build, load, record
-from ltcgear.symbolic import build_model, generate, load_scene
+from ltcgear.symbolic import build_model, describe_scene, generate, load_scene
 
 scene = load_scene("winch.toml")
 model = build_model(scene)
@@ -31,7 +31,7 @@ record(
     path,
     t_end=0.3,
     rate=32768.0,
-    attributes={"scene": scene.name, "scene_json": scene.model_dump_json()},
+    attributes=describe_scene(scene, Path("winch.toml").read_text("utf-8")),
 )
 result = load(path)
 print(f"{path.stat().st_size / 1e6:.1f} MB, {result.summary['status']}")
@@ -77,7 +77,8 @@ print(f"mean {1e6 * float(window.mean()):.1f}, spread {1e6 * float(window.std())
 
 # %%
 # By hand: the carrier's torque times its lag is the force times the deflection of all
-# meshes and pins, with the mean of 1/k over a tooth pitch, at contact ratios 1.475 and 1.856.
+# meshes and pins, with the mean of 1/k over a tooth pitch, at contact ratios 1.475 and
+# 1.856.
 
 F, k, alpha_s, alpha_r = 2956.0, 7e8, radians(23.057), radians(16.409)
 softness = sum((2 - ratio + (ratio - 1) / 1.75) / k for ratio in (1.475, 1.856))
