@@ -2,6 +2,7 @@
 
 import logging
 import re
+from dataclasses import is_dataclass
 from importlib.metadata import version as version_of
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,9 @@ myst_links_external_new_tab = False
 
 autosummary_generate = False
 autodoc_typehints = "signature"
+autodoc_preserve_defaults = True
+python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 88
 autodoc_member_order = "bysource"
 napoleon_google_docstring = False
 napoleon_use_rtype = False
@@ -83,7 +87,13 @@ def refuse_foreign_files(app: Sphinx, error: Exception | None) -> None:
         raise ExtensionError("pages load files from elsewhere:\n" + "\n".join(sorted(found)))
 
 
+def leave_out_fields(app: Sphinx, what: str, name: str, value: object, *rest: object) -> tuple[str, str] | None:
+    """Show no signature of a dataclass: ltcgear makes it, and its fields are described."""
+    return ("", "") if what == "class" and is_dataclass(value) else None
+
+
 def setup(app: Sphinx) -> None:
     """Look at the pages once they are written; show CSV as plain text."""
+    app.connect("autodoc-process-signature", leave_out_fields)
     app.add_lexer("csv", TextLexer)
     app.connect("build-finished", refuse_foreign_files)

@@ -91,7 +91,9 @@ def test_every_option_is_in_the_reference(command, run):
 def test_every_public_name_is_documented(part):
     page = (DOCS / "python.md").read_text("utf-8")
     current, found = "", set()
-    for directive, name in re.findall(r"^\.\. (currentmodule|autofunction|autoclass):: (\S+)$", page, re.MULTILINE):
+    for directive, name in re.findall(
+        r"^\.\. (currentmodule|autofunction|autoclass):: ([\w.]+)(?:\(.*\))?$", page, re.MULTILINE
+    ):
         current = name if directive == "currentmodule" else current
         found |= {name} if directive != "currentmodule" and current == part.__name__ and "." not in name else set()
     assert found == set(part.__all__)
