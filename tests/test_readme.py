@@ -29,10 +29,17 @@ def every(language):
     return found
 
 
-def commands():
-    """Return the ltcgear lines of README's shell blocks."""
-    lines = [line for block in blocks("README.md", "sh") for line in block.values[0].splitlines()]
+def commands(page):
+    """Return the ltcgear lines of a page's shell blocks."""
+    lines = [line for block in blocks(page, "sh") for line in block.values[0].splitlines()]
     return [shlex.split(line, comments=True) for line in lines if line.startswith("ltcgear ")]
+
+
+def started(command, folder):
+    """Start a command line in a folder; it must succeed."""
+    program = Path(sys.executable).with_name("ltcgear")
+    done = subprocess.run([program, *command[1:]], cwd=folder, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("text", every("toml"))
@@ -50,13 +57,25 @@ def test_python_runs(text, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("command", [pytest.param(command, id=" ".join(command)) for command in commands()])
-def test_commands_run(command, tmp_path):
-    program = Path(sys.executable).with_name("ltcgear")
-    done = subprocess.run(
-        [program, *command[1:]], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Where README's commands are typed, one after the other."""
+    return tmp_path_factory.mktemp("readme")
+
+
+@pytest.mark.parametrize("command", [pytest.param(one, id=" ".join(one)) for one in commands("README.md")])
+def test_commands_run(command, folder):
+    started(command, folder)
+
+
+def test_the_page_of_results_runs(tmp_path):
+    page = "docs/results.md"
+    started(["ltcgear", "simulate", "lsp", "-o", "lsp.nc"], tmp_path)
+    for command in commands(page):
+        started(command, tmp_path)
+    for block in blocks(page, "python"):
+        test_python_runs(block.values[0], tmp_path)
+    assert (tmp_path / "lsp.csv").stat().st_size > 1e4
 
 
 def test_the_scene_of_the_readme_simulates(tmp_path):
