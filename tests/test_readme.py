@@ -87,3 +87,13 @@ def test_the_scene_of_the_readme_simulates(tmp_path):
             cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60,
         )  # fmt: skip
         assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("page", "scene"), [("docs/getting-started.md", "fan.toml"), ("docs/from-drawing.md", "winch.toml")]
+)
+def test_the_commands_of_a_guide_run(page, scene, tmp_path):
+    (tmp_path / scene).write_text(blocks(page, "toml")[0].values[0], encoding="utf-8")
+    for command in commands(page):
+        started(command, tmp_path)
+    assert list(tmp_path.glob("*.nc"))
