@@ -114,6 +114,8 @@ try:
     generate(stiffened(plain, ("wrong_coupling",)))
 except CheckError as error:
     print(error)
+else:
+    raise AssertionError("the wrong sign passed")
 
 # %%
 # The C
