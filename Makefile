@@ -39,11 +39,11 @@ site: .venv/docs
 	$(PYTHON) -m venv .venv
 
 .venv/rig: .venv/bin/python pyproject.toml hatch_build.py
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[report]'
 	@touch $@
 
 .venv/test: .venv/bin/python pyproject.toml hatch_build.py
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test,report]'
 	@touch $@ .venv/rig
 
 .venv/docs: .venv/bin/python pyproject.toml hatch_build.py

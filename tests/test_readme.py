@@ -12,7 +12,7 @@ from ltcgear.symbolic import build_model, load_scene
 ROOT = Path(__file__).parents[1]
 PAGES = (
     "README.md", "docs/getting-started.md", "docs/from-drawing.md", "docs/scenes.md", "docs/ensembles.md",
-    "docs/modes.md",
+    "docs/modes.md", "docs/analysis.md",
 )  # fmt: skip
 
 

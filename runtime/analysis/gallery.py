@@ -18,6 +18,7 @@ from .load_figures import (
 from .orbit_figures import draw_orbits
 from .spectrum_figures import draw_envelope, draw_spectrogram, draw_spectrum, draw_waterfall
 from .survey import Seen, Survey
+from .trace import front
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,8 +37,9 @@ def draw_survey(found: Survey) -> Iterator[tuple[str, Figure]]:
         yield f"shares-{share.group}", draw_shares(share, _turns(found, share.group))
     for seen in found.seen:
         yield from _draw_seen(found, seen)
-    if found.errors:
-        yield "transmission-error", draw_transmission_error(found.errors)
+    for mesh in dict.fromkeys(front(error.mesh) for error in found.errors):
+        own = [error for error in found.errors if front(error.mesh) == mesh]
+        yield f"transmission-{mesh}", draw_transmission_error(own)
     if found.durations:
         yield "load-duration", draw_load_duration(found.durations)
     if found.cycles:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 CYCLES = 6.0
 """Tooth meshes that a close look shows."""
+CLOSE = 0.04
+"""Part of a span that a close look at load shares shows."""
 NAMES = 12
 """Curves in one figure at most."""
 
@@ -77,17 +79,27 @@ def draw_shares(share: LoadShare, turns: FloatArray | None = None) -> Figure:
     """
     label = "time [s]" if turns is None else "turns of the carrier [1]"
     title = f"Load shares of {share.group}: mesh load factor {share.mesh_load_factor:.3f}"
-    figure, axes = open_axes(title, label, "share of an equal load [1]")
+    figure = make_canvas(WIDTH, 1.5 * HEIGHT)
+    above, below = figure.subplots(2, 1)
     x = share.time if turns is None else turns
+    close = slice(-max(2, round(CLOSE * x.size)), None)
+    label_axes(above, title, label, "share of an equal load [1]")
+    label_axes(below, "The last of it", label, "share of an equal load [1]")
     for number, mesh in enumerate(share.meshes[:NAMES]):
         colour, dash = style_of(number)
         curve = share.share[:, number]
         known = np.isfinite(curve)
         text = f"{mesh}: mean {share.mean[number]:.3f}"
-        axes.plot(*thin(x[known], curve[known], columns_for(len(share.meshes))), dash, color=colour, lw=0.9, label=text)
-    axes.axhline(1.0, color="black", lw=0.8, ls=":", label="equal share")
-    axes.margins(x=0.0)
-    finish_axes(axes)
+        above.plot(
+            *thin(x[known], curve[known], columns_for(len(share.meshes))), dash, color=colour, lw=0.7, label=text
+        )
+        below.plot(
+            *thin(x[close], curve[close], columns_for(len(share.meshes))), dash, color=colour, lw=1.1, label=mesh
+        )
+    for axes in (above, below):
+        axes.axhline(1.0, color="black", lw=0.8, ls=":", label="equal share")
+        axes.margins(x=0.0)
+        finish_axes(axes)
     return figure
 
 
@@ -137,7 +149,7 @@ def draw_load_duration(durations: Sequence[LoadDuration]) -> Figure:
         label = one.name.partition(":")[2]
         # A staircase: all that counts in a bin is above its lower edge.
         axes.step(one.exceeded, one.edges[:-1] / size, dash, where="post", color=colour, lw=1.2, label=label)
-    axes.set_xlim(left=0.0)
+    axes.set_xscale("log")
     finish_axes(axes)
     return figure
 
