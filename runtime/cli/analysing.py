@@ -25,7 +25,7 @@ To = Annotated[float | None, typer.Option("--to", help="Last instant [s].", show
 Outputs = Annotated[
     list[str] | None,
     typer.Option("--output", metavar="QUANTITY:ITEM", show_default="the first mesh of each group",
-                 help="Output whose lines are named, e.g. acceleration:lsp.sun; may be given again."),
+                 help="Output whose lines are named, e.g. acceleration:lsp.sun."),
 ]  # fmt: skip
 Shaft = Annotated[
     str | None,
