@@ -339,3 +339,14 @@ def test_a_train_at_rest_is_analysed():
     assert not [note for note in found.notes if "smeared" in note]
     for _, figure in draw_survey(found):
         check_axes(figure)
+
+
+def test_names_in_a_file_lead_to_no_other_folder(run, tmp_path):
+    dataset = simulated("psh", t_end=0.2).dataset
+    hostile = dataset.assign_coords(mesh=["../../psh.mesh"])
+    hostile.to_netcdf(tmp_path / "hostile.nc")
+    folder = tmp_path / "a" / "b" / "out"
+    code, _, err = run("analyse", tmp_path / "hostile.nc", "--no-modes", "-o", folder)
+    assert code == 0, err
+    written = {path for path in tmp_path.rglob("*") if path.is_file()}
+    assert {path.parent for path in written - {tmp_path / "hostile.nc"}} == {folder}
