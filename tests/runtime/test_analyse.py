@@ -350,3 +350,12 @@ def test_names_in_a_file_lead_to_no_other_folder(run, tmp_path):
     assert code == 0, err
     written = {path for path in tmp_path.rglob("*") if path.is_file()}
     assert {path.parent for path in written - {tmp_path / "hostile.nc"}} == {folder}
+
+
+def test_angles_tell_what_teeth_and_bearings_yield():
+    """Springs in series along the line of action: F / k of the teeth, and F / k of both bearings."""
+    found = simulated("psh", "effects.mesh_stiffness = 'mean'", t_end=0.02)
+    force, stiffness = 1.06e4 / found.parameters["psh.mesh.base_radius_2"], (7.06e9, 3.13e9)
+    teeth, angles = (find_transmission_error(found.dataset, "psh.mesh", by).mean for by in ("deflection", "angles"))
+    assert found.mesh["psh.mesh"].force.mean() == pytest.approx(force, rel=1e-6)
+    assert angles - teeth == pytest.approx(sum(force / k for k in stiffness), rel=2e-3)
