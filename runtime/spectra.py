@@ -103,7 +103,7 @@ def amplitude_spectrum(signal: ArrayLike, rate: float, window: str = "hann") -> 
     return frequency, amplitude
 
 
-def planar_spectrum(x: ArrayLike, y: ArrayLike, rate: float) -> tuple[FloatArray, FloatArray]:
+def planar_spectrum(x: ArrayLike, y: ArrayLike, rate: float, window: str = "hann") -> tuple[FloatArray, FloatArray]:
     """Root-sum-square of the amplitude spectra of two axes.
 
     Parameters
@@ -112,14 +112,16 @@ def planar_spectrum(x: ArrayLike, y: ArrayLike, rate: float) -> tuple[FloatArray
         Samples along two perpendicular axes, shape (n,) each [same unit].
     rate
         Sampling rate [Hz].
+    window
+        One of `WINDOWS`.
 
     Returns
     -------
     frequency, amplitude
         As from `amplitude_spectrum`.
     """
-    frequency, along_x = amplitude_spectrum(x, rate)
-    along_y = amplitude_spectrum(y, rate)[1]
+    frequency, along_x = amplitude_spectrum(x, rate, window)
+    along_y = amplitude_spectrum(y, rate, window)[1]
     return frequency, np.hypot(along_x, along_y)
 
 
