@@ -25,7 +25,7 @@ def make_table(title: str, columns: Iterable[str], rows: Iterable[Row], *notes: 
     names = list(columns)
     numeric = [all(not isinstance(row[k], str) for row in listed) and bool(listed) for k in range(len(names))]
     cells = [[_written(cell) for cell in row] for row in listed]
-    return {"title": title, "columns": names, "rows": cells, "numeric": numeric, "notes": notes}
+    return {"title": title, "columns": names, "rows": cells, "numeric": numeric, "notes": notes, "folded": False}
 
 
 def _written(cell: object) -> str:

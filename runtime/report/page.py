@@ -14,9 +14,12 @@ from ..results import written_whole
 from .film import choose_windows, magnify, make_track, pack
 from .heading import describe_run, list_versions
 from .listing import list_tables
+from .mode_section import make_mode_section
 from .panels import make_panels
 from .scene_text import describe_scene
+from .sections import make_sections
 from .stage import HEAD, LONGEST, pose_stage
+from .theme import themed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -48,7 +51,7 @@ class Background:
     sources: Mapping[str, str] = field(default_factory=dict)
     linear: Linear | None = None
     modes: tuple[Mode, ...] = ()
-    why_no_modes: str = "the result does not hold its scene"
+    why_no_modes: str = "the result does not hold its scene."
 
 
 def write_report(result: Result, path: Path, background: Background | None = None, at: float | None = None) -> Path:
@@ -85,17 +88,25 @@ def compose_report(result: Result, background: Background, at: float | None = No
     windows = choose_windows(track, at)
     factor = magnify(track, panels)
     stages = pose_stage(track, panels, windows[0].first, factor)
+    with themed():
+        sections = make_sections(dataset, background.modes)
+    sections.insert(-1, make_mode_section(background.linear, background.modes, background.why_no_modes))
     return environment.get_template("report.html").render(
         head=describe_run(result),
         stage=_stage(track, stages, windows, factor),
         film=_script_json(_film(track, stages, windows, factor)),
-        sections=[],
+        sections=sections,
         tables=list_tables(result),
         scene=describe_scene(dataset.attrs, background.sources),
         foot=list_versions(dataset.attrs),
         style=_asset("report.css"),
         script=_asset("report.js"),
     )
+
+
+def check_templates() -> None:
+    """Refuse to begin where Jinja2 is missing."""
+    _environment()
 
 
 def _environment() -> Any:  # noqa: ANN401

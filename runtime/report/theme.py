@@ -91,7 +91,7 @@ def _adopt(element: ElementTree.Element, name: str, used: set[str]) -> None:
         if LINK.match(attributes.get(key, "")):
             attributes[key] = attributes[key].replace("#", f"#{name}-", 1)
     if "style" in attributes:
-        style = COLOUR.sub(_colour, attributes["style"])
+        style = COLOUR.sub(_colour, attributes["style"].replace("fill: #ffffff", "fill: var(--card)"))
         attributes["style"] = FONT.sub("font-family: var(--font)", style)
     for key in ("d", "transform", "points", "x", "y"):
         if key in attributes:
