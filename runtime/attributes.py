@@ -36,7 +36,7 @@ def read_summary(attributes: Mapping[str, Any]) -> dict[str, Any]:
     ValueError
         If one is missing, or not what ltcgear writes.
     """
-    missing = [name for name in ("method", "status", "counts") if name not in attributes]
+    missing = [name for name in ("method", "status", "counts", "warnings", STATISTICS) if name not in attributes]
     if missing:
         raise ValueError(f"attribute {missing[0]} is missing")
     kept: dict[str, Any] = {name: attributes[name] for name in PLAIN if name in attributes}

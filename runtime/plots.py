@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 #: Okabe and Ito's colours, told apart by colour-blind readers.
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, GREY = "#E69F00", "#56B4E9", "#777777"
-_LINE_COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
+LINE_COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 _SPECTRUM_LIMIT = 1000.0  # [Hz]
 _DECADES = 4
 _NAMED = 6
@@ -151,7 +151,7 @@ def _draw_forces(axes: Axes, dataset: xr.Dataset, plan: _ForceFigure) -> bool:
     time = steady["time"].values - steady["time"].values[0]
     shown = time <= _span(dataset, plan, float(time[-1]))
     axes.axhspan(float(forces.min()), float(forces.max()), color=GREY, alpha=0.12, lw=0, label="min-max, steady part")
-    for number, (colour, force) in enumerate(zip(_LINE_COLOURS, forces.T, strict=False), start=1):
+    for number, (colour, force) in enumerate(zip(LINE_COLOURS, forces.T, strict=False), start=1):
         label = f"{plan.legend_word} {number}" if len(names) > 1 else "simulated"
         dash = "-" if number <= (len(names) + 1) // 2 else "--"  # opposite planets mesh in phase and coincide
         axes.plot(1e3 * time[shown], force[shown], dash, color=colour, lw=1.2, label=label)
@@ -165,10 +165,11 @@ def _draw_forces(axes: Axes, dataset: xr.Dataset, plan: _ForceFigure) -> bool:
 
 
 def finish_axes(axes: Axes) -> None:
-    """Give axes a light grid and a legend beside them, where it hides no curve."""
+    """Give axes a light grid, and a legend beside them, where it hides no curve, if anything has a label."""
     axes.grid(alpha=0.25, lw=0.5)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=9)
 
 
 def _oriented_forces(dataset: xr.Dataset, steady: xr.Dataset, names: list[str]) -> tuple[FloatArray, str]:

@@ -334,3 +334,13 @@ def paper_run(data: Data, tables: dict[str, "ResultTable"]) -> None:
     simulated(data | {"forces": {}})
     for file in data["files"]:
         print(f"wrote {file}")
+
+
+def analysed(data: Data, tables: "list[ResultTable]", files: "list[Path]") -> None:
+    """Print what a result shows, and what is to be said about it."""
+    console = _console()
+    scene = escape(str(data["scene"] or "no scene"))
+    console.print(f"{escape(data['file'])}: {scene}, {data['from_s']:.4g} to {data['to_s']:.4g} s")
+    for note in data["notes"]:
+        console.print(f"[yellow]note[/]: {escape(note)}")
+    listed(tables, files)

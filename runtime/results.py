@@ -88,8 +88,6 @@ def _no_item(kind: str, name: object, names: list[str]) -> str:
     near = get_close_matches(str(name), names, 1)
     cure = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(names) or 'none'}"
     return f"no {kind} {name!r}; {cure}"
-        f"did you mean {near[0]!r}?" if near else f"there are {', '.join(names) or 'none'}"
-    )
 
 
 def _angle(dataset: "xr.Dataset", rotor: "Mapping[str, xr.DataArray]") -> "xr.DataArray":
@@ -209,7 +207,7 @@ def load(path: Path) -> Result:
     try:
         with xr.open_dataset(path, engine="netcdf4") as opened:
             dataset = opened.load()
-    except (OSError, ValueError, KeyError, RuntimeError, OverflowError) as error:
+    except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF4 file ({error}); simulate again") from error
     _check_form(path, dataset)
     return Result(dataset, _summary(path, dataset))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from rich.console import Console, RenderableType
 
 Cell = str | int | float | None
@@ -64,6 +67,14 @@ class Table:
             raise ValueError(f"no column {heading!r}; there are {', '.join(self.columns)}")
         place = self.columns.index(heading)
         return tuple(row[place] for row in self.rows)
+
+    def write_csv(self, path: Path) -> Path:
+        """Write headings and rows as a CSV file, numbers at full precision, nothing for an empty cell."""
+        with path.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(self.columns)
+            writer.writerows([_plain(cell) for cell in row] for row in self.rows)
+        return path
 
     def __rich__(self) -> RenderableType:
         from rich.box import SIMPLE_HEAD

@@ -127,6 +127,20 @@ def restore_scene(text: str) -> Scene:
     return _freeze(kept, name, sources, label, [])
 
 
+def describe_scene(scene: Scene, text: str = "", changes: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """Return what a result keeps of its scene (``attributes`` of ``simulate``), so that it can be restored from it.
+
+    Parameters
+    ----------
+    scene
+        The scene; all its numbers and their sources are kept.
+    text, changes
+        The scene as it was written, and what was put in place of its values.
+    """
+    kept = {"scene": scene.name, "title": scene.title, "scene_json": scene.model_dump_json()}
+    return kept | {"scene_text": text, "changes": dict(changes or {})}
+
+
 def _freeze(
     plain: Raw, name: str, sources: dict[str, str], label: str, faults: list[str], folder: Path | None = None
 ) -> Scene:

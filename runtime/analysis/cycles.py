@@ -88,6 +88,7 @@ def count_cycles(signal: xr.DataArray) -> Cycles:
         raise LtcgearError("rainflow counts: need a further package; run: pip install 'ltcgear[report]'") from error
 
     one = read_trace(signal)
-    found = np.array([cycle[:3] for cycle in rainflow.extract_cycles(one.values)], dtype=np.float64).reshape(-1, 3)
+    cycles = [cycle[:3] for cycle in rainflow.extract_cycles(one.values) if cycle[0] > 0.0]
+    found = np.array(cycles, dtype=np.float64).reshape(-1, 3)
     seconds = float(one.time[-1] - one.time[0])
     return Cycles(one.name, one.title, one.unit, found[:, 0], found[:, 1], found[:, 2], seconds)

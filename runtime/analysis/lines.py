@@ -35,13 +35,16 @@ class Clues:
     meshes, carriers, shafts
         Mesh frequency by gear set, and turns a second of carriers and of other members that are no planets [Hz].
     modes
-        Name -> eigenfrequency and half of the half-power bandwidth [Hz].
+        ``mode 7`` -> eigenfrequency and half of the half-power bandwidth [Hz].
+    words
+        ``mode 7`` -> what moves in it.
     """
 
     meshes: dict[str, float] = field(default_factory=dict)
     carriers: dict[str, float] = field(default_factory=dict)
     shafts: dict[str, float] = field(default_factory=dict)
     modes: dict[str, tuple[float, float]] = field(default_factory=dict)
+    words: dict[str, str] = field(default_factory=dict)
 
     def over(self, turns_hz: float) -> Clues:
         """Return the clues as orders of a shaft that turns so often a second; modes have no order."""
@@ -93,16 +96,15 @@ def find_clues(dataset: xr.Dataset, modes: Sequence[Mode] = ()) -> Clues:
         for name, value in turning.items()
         if "." in name and name not in carriers and ".planet." not in name
     }
-    return Clues(meshes, carriers, shafts, list_modes(modes))
+    vibrating = {f"mode {number}": mode for number, mode in enumerate(modes, start=1) if _vibrates(mode)}
+    bands = {name: (mode.frequency_hz, abs(mode.damping_ratio) * mode.frequency_hz) for name, mode in vibrating.items()}
+    words = {name: f"{mode.name or mode.kind}, {mode.frequency_hz:.4g} Hz" for name, mode in vibrating.items()}
+    return Clues(meshes, carriers, shafts, bands, words)
 
 
-def list_modes(modes: Sequence[Mode]) -> dict[str, tuple[float, float]]:
-    """Return by name the eigenfrequency and half of the half-power bandwidth of modes that vibrate [Hz]."""
-    return {
-        f"mode {number} ({mode.name or mode.kind})": (mode.frequency_hz, abs(mode.damping_ratio) * mode.frequency_hz)
-        for number, mode in enumerate(modes, start=1)
-        if mode.frequency_hz > 0.0 and mode.kind != "rigid" and abs(mode.damping_ratio) < 1.0
-    }
+def _vibrates(mode: Mode) -> bool:
+    """Say whether a mode oscillates."""
+    return mode.frequency_hz > 0.0 and mode.kind != "rigid" and abs(mode.damping_ratio) < 1.0
 
 
 def name_lines(

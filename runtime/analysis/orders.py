@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
+from ..results import Group
 from ..spectra import amplitude_spectrum, noise_bandwidth
 from .spectrum import Spectrum
-from .trace import FloatArray, list_items, read_trace
+from .trace import FloatArray, read_trace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,24 +27,17 @@ MOST = 2**23
 
 
 def shaft_angle(dataset: xr.Dataset, rotor: str) -> xr.DataArray:
-    """Return the absolute angle of a rotor [rad], unwrapped: ratio x reference angle + twist.
+    """Return the absolute angle of a rotor [rad], whole turns included (see ``results.Result``).
 
     Raises
     ------
     LtcgearError
-        If there is no such rotor, or the file is older than the reference angle.
+        If there is no such rotor, or it has no twist.
     """
-    from difflib import get_close_matches
-
-    rotors = list_items(dataset, "twist")
-    if rotor not in rotors:
-        near = get_close_matches(rotor, rotors, 1, 0.0)
-        raise LtcgearError(f"--shaft {rotor}: no such rotor; there are {', '.join(rotors)}; nearest: {near[0]}" if near
-                           else f"--shaft {rotor}: the result has no rotor")  # fmt: skip
-    if "reference_angle" not in dataset:
-        raise LtcgearError("the result has no reference_angle, since an older ltcgear wrote it; simulate again")
-    angle = dataset["reference_angle"] * dataset["speed_ratio"] + dataset["twist"]
-    return angle.sel(rotor=rotor).rename("angle").assign_attrs(units="rad", long_name="absolute angle")
+    try:
+        return Group("rotor", dataset)[rotor].angle
+    except (KeyError, AttributeError) as error:
+        raise LtcgearError(f"--shaft {rotor}: {error.args[0]}") from error
 
 
 def find_order_spectrum(signal: xr.DataArray, angle: xr.DataArray, *, window: str = "hann") -> Spectrum:

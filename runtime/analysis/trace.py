@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
+
+from ..outputs import find_columns
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -101,17 +102,12 @@ def select_output(dataset: xr.Dataset, wanted: str) -> tuple[xr.DataArray, ...]:
         If there is no such output; the nearest is named.
     """
     quantity, _, item = wanted.partition(":")
-    known = list_quantities(dataset)
-    if quantity not in known:
-        near = get_close_matches(quantity, known, 1)
-        hint = f"; nearest: {near[0]}" if near else ""
-        raise LtcgearError(f"--output {wanted}: no such quantity; write QUANTITY:ITEM with {', '.join(known)}{hint}")
-    items = list_items(dataset, known[quantity][0])
-    if item not in items:
-        near = get_close_matches(item, items, 1, 0.0) or items
-        listed = ", ".join(items[:20]) + (", ..." if len(items) > 20 else "")
-        raise LtcgearError(f"--output {wanted}: no such item; {quantity} has {listed}; nearest: {near[0]}")
-    return tuple(pick(dataset, name, item) for name in known[quantity])
+    if not item:
+        raise LtcgearError(f"--output {wanted}: write QUANTITY:ITEM, for example mesh_force:psh.mesh")
+    pair = [quantity + axis for axis in AXES]
+    names = pair if all(name in dataset for name in pair) else [quantity]
+    find_columns(dataset, [f"{name}:{item}" for name in names])
+    return tuple(pick(dataset, name, item) for name in names)
 
 
 def list_items(dataset: xr.Dataset, quantity: str) -> list[str]:
@@ -122,17 +118,3 @@ def list_items(dataset: xr.Dataset, quantity: str) -> list[str]:
 def pick(dataset: xr.Dataset, quantity: str, item: str) -> xr.DataArray:
     """Return one item of a quantity over time."""
     return dataset[quantity].sel({dataset[quantity].dims[-1]: item})
-
-
-def list_quantities(dataset: xr.Dataset) -> dict[str, list[str]]:
-    """List what can be analysed: quantity -> its variables; two axes are also known by their common name."""
-    found = {
-        str(name): [str(name)]
-        for name, variable in dataset.data_vars.items()
-        if variable.dims[:1] == ("time",) and variable.ndim == 2 and name != "state" and variable.dtype.kind in "fiu"
-    }
-    for name in list(found):
-        stem = name[:-2]
-        if name.endswith("_x") and f"{stem}_y" in found:
-            found[stem] = [stem + axis for axis in AXES]
-    return found

@@ -111,7 +111,7 @@ def run(
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
-    about: dict[str, Any] = opened.attributes()
+    about = dict(opened.about)
     told_of: dict[str, Any] = {}
     if accuracy is not None:
         setting = find_setting(opened, library, accuracy, record_file)

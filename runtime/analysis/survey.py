@@ -1,0 +1,255 @@
+"""Survey: all that ``ltcgear analyse`` tells about a span of a result, found in one go."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ltcgear.generated.errors import LtcgearError
+
+from ..statistics import group_of, mesh_frequencies, mesh_statistics, stage_of
+from .bearings import BearingLoad, list_bearing_loads
+from .cycles import Cycles, count_cycles
+from .duration import LoadDuration, find_load_duration
+from .envelope import Envelope, Sidebands, choose_band, find_envelope, find_sidebands
+from .lines import Clues, NamedLine, find_clues, name_lines, turns_per_second
+from .orbits import Orbit, find_orbit, list_members
+from .orders import find_order_spectrum, shaft_angle
+from .sharing import LoadShare, find_load_share, list_groups
+from .span import cut, speed_change
+from .spectrum import Spectrum, find_spectrum
+from .trace import list_items, pick, select_output
+from .transmission import TransmissionError, find_transmission_error, parameter
+from .waterfall import Waterfall, find_waterfall, mesh_courses
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..linear.modes import Mode
+    from .trace import FloatArray
+
+LINES = 12
+SMEARED = 0.01
+"""Change of speed over a span from which lines over frequency are said to be smeared."""
+CENTRES = 3
+"""Harmonics of its mesh about which an output's sidebands are read."""
+USABLE = 0.4
+"""Share of the sampling rate up to which lines are named."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a survey is asked for.
+
+    Attributes
+    ----------
+    start_s, stop_s
+        Span [s]; the second half of the record where left out.
+    outputs
+        QUANTITY:ITEM; the first mesh of every group where empty.
+    shaft
+        Rotor over whose turns orders are found; the fastest of each output's stage where left out.
+    band
+        Edges of the envelope's band [Hz]; about the strongest harmonic of the output's mesh where left out.
+    window
+        One of ``spectra.WINDOWS``.
+    resolution_hz
+        Of the waterfall.
+    lines
+        Most lines that are named for each output.
+    """
+
+    start_s: float | None = None
+    stop_s: float | None = None
+    outputs: tuple[str, ...] = ()
+    shaft: str | None = None
+    band: tuple[float, float] | None = None
+    window: str = "hann"
+    resolution_hz: float | None = None
+    lines: int = LINES
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What is found of one output: its spectra, and what their lines are."""
+
+    output: str
+    spectrum: Spectrum
+    lines: tuple[NamedLine, ...]
+    waterfall: Waterfall
+    courses: dict[str, FloatArray]
+    envelope: Envelope
+    envelope_lines: tuple[NamedLine, ...]
+    sidebands: tuple[Sidebands, ...]
+    orders: Spectrum | None = None
+    order_lines: tuple[NamedLine, ...] = ()
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What was found in a span of a result."""
+
+    span: xr.Dataset
+    start_s: float
+    stop_s: float
+    clues: Clues
+    seen: tuple[Seen, ...]
+    forces: dict[str, dict[str, float]]
+    shares: tuple[LoadShare, ...]
+    errors: tuple[TransmissionError, ...]
+    durations: tuple[LoadDuration, ...]
+    cycles: tuple[Cycles, ...]
+    bearings: tuple[BearingLoad, ...]
+    orbits: tuple[Orbit, ...]
+    notes: tuple[str, ...] = field(default=())
+
+
+def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence[Mode] = ()) -> Survey:
+    """Find what a result shows: lines, forces, shares, transmission errors, durations, cycles, bearings and orbits.
+
+    Parameters
+    ----------
+    dataset
+        Simulation result.
+    options
+        What is asked for.
+    modes
+        By which lines may be named, from ``describe_modes``.
+
+    Raises
+    ------
+    LtcgearError
+        If the span, an output, the shaft, the band or the window cannot serve.
+    """
+    asked = options or Options()
+    part, notes = cut(dataset, asked.start_s, asked.stop_s), []
+    time = part["time"].values
+    change = speed_change(part)
+    if change > SMEARED:
+        notes.append(f"speeds change by {change:.0%} in the span: lines over frequency are smeared, orders are not")
+    clues = find_clues(part, modes)
+    wide = dataset if asked.start_s is None and asked.stop_s is None else part
+    outputs = asked.outputs or tuple(_default_outputs(part))
+    seen = tuple(_see(part, wide, output, clues, asked, notes) for output in outputs)
+    groups, meshes = list_groups(part), list_items(part, "mesh_force")
+    shares = [_share(part, group, notes) for group, members in groups.items() if len(members) > 1]
+    leads = [members[0] for members in groups.values()]
+    return Survey(
+        part, float(time[0]), float(time[-1]), clues, seen,
+        mesh_statistics(part, float(time[0])) if meshes else {},
+        tuple(share for share in shares if share is not None), tuple(_errors(part, leads)),
+        tuple(_durations(part, leads)), tuple(_cycles(part, leads, notes)), list_bearing_loads(part),
+        tuple(find_orbit(part, member, dataset) for member in list_members(part) if ".planet." not in member),
+        tuple(dict.fromkeys(notes)),
+    )  # fmt: skip
+
+
+def _default_outputs(part: xr.Dataset) -> list[str]:
+    """Return what is looked at when nobody says: the first mesh of each group, else the rotors' speeds."""
+    leads = [f"mesh_force:{members[0]}" for members in list_groups(part).values()]
+    return leads or [f"speed:{rotor}" for rotor in list_items(part, "speed")[:4]]
+
+
+def _see(
+    part: xr.Dataset, wide: xr.Dataset, output: str, clues: Clues, asked: Options, notes: list[str]
+) -> Seen:  # fmt: skip
+    """Look at one output; of two axes the waterfall and the envelope are those of x."""
+    signals = select_output(part, output)
+    spectrum = find_spectrum(*signals, window=asked.window)
+    usable = USABLE * 2.0 * float(spectrum.axis[-1])
+    lines = name_lines(spectrum, clues, asked.lines, usable)
+    waterfall = find_waterfall(select_output(wide, output)[0], resolution_hz=asked.resolution_hz, speed=_lead(wide))
+    mesh = clues.meshes.get(stage_of(output.partition(":")[2]), max(clues.meshes.values(), default=0.0))
+    envelope = find_envelope(signals[0], *(asked.band or choose_band(spectrum, mesh)), window=asked.window)
+    found = name_lines(envelope.spectrum, clues, asked.lines, envelope.high_hz - envelope.low_hz)
+    sidebands = tuple(_sidebands(spectrum, output, clues))
+    orders, order_lines = _orders(part, output, clues, asked, notes)
+    courses = mesh_courses(wide, waterfall)
+    return Seen(output, spectrum, lines, waterfall, courses, envelope, found, sidebands, orders, order_lines)
+
+
+def _lead(part: xr.Dataset) -> xr.DataArray | None:
+    """Return the speed of the first rotor that turns, by which a waterfall may go; None without rotors."""
+    rotors = list_items(part, "speed")
+    return pick(part, "speed", rotors[0]) if rotors else None
+
+
+def _sidebands(spectrum: Spectrum, output: str, clues: Clues) -> list[Sidebands]:
+    """Read sidebands about the first harmonics of an output's own mesh, at the turns of its stage's members."""
+    stage = stage_of(output.partition(":")[2])
+    mesh, turning = clues.meshes.get(stage, 0.0), clues.carriers | clues.shafts
+    found = [
+        find_sidebands(spectrum, (f"{harmonic} {stage}", harmonic * mesh), (name, turns))
+        for harmonic in range(1, CENTRES + 1)
+        for name, turns in turning.items()
+        if mesh > 0.0 and stage_of(name) == stage and 3.0 * turns < mesh
+    ]
+    return [one for one in found if one is not None]
+
+
+def _orders(
+    part: xr.Dataset, output: str, clues: Clues, asked: Options, notes: list[str]
+) -> tuple[Spectrum | None, tuple[NamedLine, ...]]:
+    """Find the order spectrum of an output; where nobody named a shaft and none can serve, this is noted."""
+    shaft = asked.shaft or _fastest(part, stage_of(output.partition(":")[2]))
+    if shaft is None:
+        return None, ()
+    try:
+        angle = shaft_angle(part, shaft)
+        found = find_order_spectrum(select_output(part, output)[0], angle, window=asked.window)
+    except LtcgearError as error:
+        if asked.shaft is not None:
+            raise
+        notes.append(f"no orders of {output}: {error}")
+        return None, ()
+    return found, name_lines(found, clues.over(turns_per_second(angle)), asked.lines)
+
+
+def _fastest(part: xr.Dataset, stage: str) -> str | None:
+    """Return the fastest rotor of a stage that is no planet, of all where the stage has none."""
+    speed = part["speed"].mean("time") if "speed" in part else None
+    if speed is None:
+        return None
+    sizes = {
+        str(name): abs(float(value)) for name, value in zip(speed[speed.dims[0]].values, speed.values, strict=True)
+    }
+    own = {name: size for name, size in sizes.items() if stage_of(name) == stage and ".planet." not in name}
+    return max(own or sizes, key=lambda name: (own or sizes)[name], default=None)
+
+
+def _share(part: xr.Dataset, group: str, notes: list[str]) -> LoadShare | None:
+    """Return a group's shares; one that carries nothing is noted."""
+    try:
+        return find_load_share(part, group)
+    except LtcgearError as error:
+        notes.append(str(error))
+        return None
+
+
+def _errors(part: xr.Dataset, leads: Sequence[str]) -> list[TransmissionError]:
+    """Return the transmission errors of some meshes, by angles too where the result holds the radii."""
+    known = [mesh for mesh in leads if mesh in list_items(part, "mesh_deflection")]
+    found = [find_transmission_error(part, mesh) for mesh in known]
+    held = [mesh for mesh in known if parameter(part, f"{group_of(mesh)}.base_radius_1") is not None]
+    return found + [find_transmission_error(part, mesh, "angles") for mesh in held]
+
+
+def _durations(part: xr.Dataset, leads: Sequence[str]) -> list[LoadDuration]:
+    """Return the load-duration distributions of meshes that turn."""
+    frequencies = mesh_frequencies(part, float(part["time"].values[0])) if "mesh_phase" in part else {}
+    counted = list_items(part, "mesh_phase")
+    return [
+        find_load_duration(pick(part, "mesh_force", mesh), pick(part, "mesh_phase", mesh))
+        for mesh in leads
+        if mesh in counted and frequencies.get(stage_of(mesh), 0.0) > 0.0
+    ]
+
+
+def _cycles(part: xr.Dataset, leads: Sequence[str], notes: list[str]) -> list[Cycles]:
+    """Return rainflow counts of some meshes; where the library is missing, this is noted."""
+    try:
+        return [count_cycles(pick(part, "mesh_force", mesh)) for mesh in leads]
+    except LtcgearError as error:
+        notes.append(str(error))
+        return []

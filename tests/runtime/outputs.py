@@ -1,0 +1,34 @@
+"""Outputs of a simulation made by hand, for analyses with closed forms."""
+
+import numpy as np
+import xarray as xr
+
+UNITS = {
+    "mesh_force": "N", "mesh_phase": "1", "mesh_deflection": "m", "speed": "rad/s", "twist": "rad", "angle": "rad",
+    "bearing_force_x": "N", "bearing_force_y": "N", "displacement_x": "m", "displacement_y": "m",
+}  # fmt: skip
+DIMENSIONS = {"mesh": "mesh", "speed": "rotor", "twist": "rotor", "bearing": "bearing", "displacement": "member"}
+
+
+def times(seconds=1.0, rate=8192.0):
+    return np.arange(round(seconds * rate)) / rate
+
+
+def output(values, time, name="mesh_force", item="psh.mesh"):
+    """One output over time, as a result gives it."""
+    meta = {"units": UNITS[name], "long_name": name.replace("_", " ")}
+    return xr.DataArray(values, {"time": time, "item": item}, ("time",), name, meta)
+
+
+def result(time, parameters=None, **quantities):
+    """A result of quantities, each item -> values."""
+    data, coordinates = {}, {"time": time}
+    for name, items in quantities.items():
+        dimension = DIMENSIONS.get(name, DIMENSIONS.get(name.partition("_")[0]))
+        coordinates[dimension] = list(items)
+        columns = np.stack([np.broadcast_to(values, time.shape) for values in items.values()], axis=1)
+        data[name] = (("time", dimension), columns, {"units": UNITS[name], "long_name": name.replace("_", " ")})
+    if parameters:
+        coordinates["parameter"] = list(parameters)
+        data["parameter_value"] = (("parameter",), list(parameters.values()))
+    return xr.Dataset(data, coordinates)

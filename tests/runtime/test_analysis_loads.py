@@ -1,0 +1,289 @@
+"""Load shares, transmission errors, durations, rainflow cycles, bearings and orbits, against closed forms."""
+
+import sys
+
+import numpy as np
+import pytest
+from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime.analysis import (
+    count_cycles,
+    cut,
+    find_load_duration,
+    find_load_share,
+    find_orbit,
+    find_transmission_error,
+    list_bearing_loads,
+    select_output,
+)
+from ltcgear.runtime.analysis.span import speed_change
+
+from .outputs import output, result, times
+from .synthetic import make_dataset
+
+TIME = times()
+TURN = 2 * np.pi
+WAVE = np.sin(TURN * 8.0 * TIME)
+
+
+# --- shares
+
+
+def planets(*forces):
+    return result(TIME, mesh_force={f"lsp.sun_planet.{k}": force for k, force in enumerate(forces, start=1)})
+
+
+def test_shares_of_known_forces():
+    found = find_load_share(planets(80.0 + 10.0 * WAVE, 100.0, 120.0 - 10.0 * WAVE, 100.0), "lsp.sun_planet")
+    assert found.mean == pytest.approx([0.8, 1.0, 1.2, 1.0])
+    assert found.mesh_load_factor == pytest.approx(1.2)
+    assert found.highest == pytest.approx([0.9, 1.0, 1.3, 1.0])
+    assert found.lowest == pytest.approx([0.7, 1.0, 1.1, 1.0])
+    assert found.largest == pytest.approx(1.3)
+    assert found.share.sum(axis=1) == pytest.approx(4.0)
+
+
+def test_shares_on_the_other_flank_are_the_same():
+    found = find_load_share(planets(-80.0, -120.0), "lsp.sun_planet")
+    assert found.mean == pytest.approx([0.8, 1.2])
+    assert found.share[0] == pytest.approx([0.8, 1.2])
+
+
+def test_where_no_load_is_carried_there_is_no_share():
+    gone = np.where(TIME < 0.5, 1.0, 0.0)
+    found = find_load_share(planets(90.0 * gone, 110.0 * gone), "lsp.sun_planet")
+    assert np.isnan(found.share[TIME >= 0.5]).all()
+    assert found.highest == pytest.approx([0.9, 1.1])
+
+
+def test_groups_without_shares_are_refused():
+    with pytest.raises(LtcgearError, match=r"psh.mesh: no group of several meshes; there are lsp.sun_planet"):
+        find_load_share(planets(1.0, 1.0), "psh.mesh")
+    with pytest.raises(LtcgearError, match="carries no load in the mean"):
+        find_load_share(planets(WAVE, -WAVE), "lsp.sun_planet")
+
+
+# --- transmission error
+
+
+def pair(twist_1, twist_2, deflection=0.0, flank=1.0):
+    parameters = {"psh.mesh.base_radius_1": 0.25, "psh.mesh.base_radius_2": 0.1, "psh.mesh.flank": flank}
+    return result(
+        TIME, parameters, mesh_deflection={"psh.mesh": deflection}, mesh_phase={"psh.mesh": 100.0 * TIME},
+        twist={"psh.input": twist_1, "psh.output": twist_2},
+    )  # fmt: skip
+
+
+def test_an_eccentric_gear_shows_once_a_turn():
+    """Gear 1 turns evenly at 100/59 Hz, its teeth 50 um out of centre; gear 2 follows: r_2 u_2 = e sin(theta_1)."""
+    swing = 50e-6 * np.sin(TURN * 100.0 / 59.0 * TIME)
+    found = find_transmission_error(pair(0.0, swing / 0.1), "psh.mesh", "angles")
+    assert found.value == pytest.approx(swing, abs=1e-18)
+    assert found.peak_to_peak == pytest.approx(100e-6, rel=1e-3)
+
+
+@pytest.mark.parametrize("flank", [1.0, -1.0])
+def test_by_angles_and_by_deflection(flank):
+    wave = 20e-6 + 3e-6 * np.cos(TURN * 100.0 * TIME) + 1e-6 * np.cos(TURN * 300.0 * TIME)
+    dataset = pair(flank * wave / 0.25, 0.0, 0.5 * wave, flank)
+    found = find_transmission_error(dataset, "psh.mesh", "angles")
+    assert found.mean == pytest.approx(20e-6)
+    assert found.vibration == pytest.approx(np.sqrt(5.0) * 1e-6)
+    assert found.harmonics == pytest.approx((3e-6, 0.0, 1e-6, 0.0, 0.0, 0.0), abs=1e-11)
+    other = find_transmission_error(dataset, "psh.mesh")
+    assert other.definition == "deflection"
+    assert other.harmonics[0] == pytest.approx(1.5e-6, rel=1e-6)
+
+
+def test_a_planets_angles_are_those_against_the_carrier():
+    """A carrier that winds up and takes all with it changes nothing."""
+    wound = 0.7 * WAVE
+    parameters = {
+        f"s.ring_planet.{key}": v for key, v in (("base_radius_1", 0.9), ("base_radius_2", 0.3), ("flank", 1))
+    }
+    dataset = result(
+        TIME, parameters, mesh_deflection={"s.ring_planet.2": 0.0},
+        twist={"s.carrier": wound, "s.ring": wound + 1e-4, "s.planet.2": wound + 2e-4},
+    )  # fmt: skip
+    found = find_transmission_error(dataset, "s.ring_planet.2", "angles")
+    assert found.value == pytest.approx(0.9e-4 - 0.3 * 2e-4)
+    assert np.isnan(found.harmonics).all()
+
+
+def test_transmission_errors_that_cannot_be_known_are_refused():
+    bare = pair(0.0, 0.0).drop_vars("parameter_value")
+    with pytest.raises(LtcgearError, match="does not hold the base radii"):
+        find_transmission_error(bare, "psh.mesh", "angles")
+    with pytest.raises(LtcgearError, match=r"hsp.mesh: no such mesh; there are psh.mesh"):
+        find_transmission_error(bare, "hsp.mesh")
+    with pytest.raises(LtcgearError, match="must be by one of deflection, angles"):
+        find_transmission_error(bare, "psh.mesh", "guess")
+
+
+# --- durations
+
+
+def triangle(periods):
+    """Up and down between 0 and 100, evenly."""
+    return 100.0 * np.abs(2.0 * np.mod(periods * TIME, 1.0) - 1.0)
+
+
+def test_the_loads_of_a_triangle_last_alike():
+    """A triangle spends equal times in equal bins: what is exceeded falls evenly."""
+    found = find_load_duration(output(triangle(4.0), TIME), output(160.0 * TIME, TIME, "mesh_phase"), bins=10)
+    assert found.counted == "tooth meshes"
+    assert found.seconds == pytest.approx(0.1, abs=2e-3)
+    assert found.count == pytest.approx(16.0, abs=0.2)
+    assert found.exceeded == pytest.approx(np.arange(160.0, 0.0, -16.0), abs=0.4)
+    assert found.seconds.sum() == pytest.approx(TIME[-1])
+
+
+def test_revolutions_count_where_they_pass():
+    """The shaft turns only while the load is high."""
+    load = np.where(TIME < 0.5, 10.0, 90.0)
+    angle = TURN * 12.0 * np.maximum(TIME - 0.5, 0.0)
+    found = find_load_duration(output(load, TIME), output(angle, TIME, "angle", "sun"), bins=2)
+    assert found.counted == "turns"
+    assert found.count == pytest.approx([0.0, 6.0], abs=0.01)
+    assert found.seconds == pytest.approx([0.5, 0.5], abs=1e-3)
+
+
+# --- rainflow
+
+
+ASTM = (-2.0, 1.0, -3.0, 5.0, -1.0, 3.0, -4.0, 4.0, -2.0)
+
+
+def history(*peaks):
+    """A load that goes straight from peak to peak."""
+    at = np.linspace(0.0, TIME[-1], len(peaks))
+    return output(np.interp(TIME, at, peaks), TIME)
+
+
+def test_the_example_of_the_standard():
+    """ASTM E1049-85 (2017), Fig. 6: ranges 3, 4, 6, 8, 9 with 0.5, 1.5, 0.5, 1.0, 0.5 cycles."""
+    at = (np.arange(9) * (TIME.size - 1)) // 8  # peaks fall on samples
+    found = count_cycles(output(np.interp(np.arange(TIME.size), at, ASTM), TIME))
+    summed = {round(r, 9): float(found.count[np.isclose(found.span, r)].sum()) for r in found.span}
+    assert summed == {3.0: 0.5, 4.0: 1.5, 6.0: 0.5, 8.0: 1.0, 9.0: 0.5}
+    assert found.mean[np.isclose(found.span, 9.0)] == pytest.approx([0.5])
+    assert (found.total, found.largest) == (4.0, 9.0)
+    edges, count = found.by_range(9)
+    assert edges == pytest.approx(np.arange(10.0))
+    assert list(count) == [0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.5, 0.0, 1.5]
+    assert found.by_range_and_mean()[2].sum() == pytest.approx(4.0)
+    cubes = (0.5 * 3.0**3 + 1.5 * 4.0**3 + 0.5 * 6.0**3 + 8.0**3 + 0.5 * 9.0**3) / 4.0
+    assert found.equivalent(3.0) == pytest.approx(cubes ** (1 / 3))
+
+
+def test_a_sine_is_its_own_cycles():
+    found = count_cycles(output(50.0 + 20.0 * WAVE, TIME))
+    assert found.total == pytest.approx(8.0, abs=0.51)
+    assert found.span[found.span > 30.0] == pytest.approx(40.0, rel=1e-3)
+    # 7.5 cycles of 40, and what is left at the ends: two half cycles of 20.
+    assert found.equivalent(5.0) == pytest.approx(((7.5 * 40.0**5 + 20.0**5) / 8.5) ** 0.2, rel=1e-3)
+
+
+def test_a_constant_load_has_no_cycles():
+    found = count_cycles(output(np.ones_like(TIME), TIME))
+    assert (found.total, found.largest, found.equivalent(3.0)) == (0.0, 0.0, 0.0)
+    assert found.by_range()[1].sum() == 0.0
+
+
+def test_without_the_library_the_cure_is_told(monkeypatch):
+    monkeypatch.setitem(sys.modules, "rainflow", None)
+    with pytest.raises(LtcgearError, match=r"pip install 'ltcgear\[report\]'"):
+        count_cycles(output(WAVE, TIME))
+
+
+# --- bearings and orbits
+
+
+def test_bearing_loads_are_those_of_the_magnitude():
+    turning = {"psh.input": 30.0 * np.cos(TURN * 8.0 * TIME)}, {"psh.input": 30.0 * np.sin(TURN * 8.0 * TIME)}
+    (found,) = list_bearing_loads(result(TIME, bearing_force_x=turning[0], bearing_force_y=turning[1]))
+    assert (found.name, found.kind) == ("psh.input", "bearing")
+    assert (found.mean, found.rms, found.largest) == pytest.approx((30.0, 30.0, 30.0))
+    assert found.vibration == pytest.approx(0.0, abs=1e-9)
+    steady = result(TIME, bearing_force_x={"a": 3.0 + WAVE}, bearing_force_y={"a": 0.0})
+    (found,) = list_bearing_loads(steady)
+    assert found.rms == pytest.approx(np.sqrt(9.5))
+    assert found.vibration == pytest.approx(np.sqrt(0.5))
+    assert list_bearing_loads(result(TIME, speed={"a": 1.0})) == ()
+
+
+def test_the_orbit_of_a_circle():
+    x, y = 5e-6 + 2e-6 * np.cos(TURN * 8.0 * TIME), -1e-6 + 2e-6 * np.sin(TURN * 8.0 * TIME)
+    dataset = result(TIME, {"s.sun.bearing.clearance": 9e-6}, displacement_x={"s.sun": x}, displacement_y={"s.sun": y})
+    found = find_orbit(dataset, "s.sun")
+    assert found.centre == pytest.approx((5e-6, -1e-6))
+    assert (found.rms, found.largest) == pytest.approx((2e-6, 2e-6))
+    assert found.static == pytest.approx((7e-6, -1e-6))
+    assert found.clearance == 9e-6
+    assert found.floating
+    later = find_orbit(dataset.isel(time=slice(4000, None)), "s.sun", dataset)
+    assert later.static == found.static
+    assert find_orbit(dataset.isel(time=slice(4000, None)), "s.sun").static is None
+    held = dataset.assign(bearing_force_x=(("time", "bearing"), np.zeros((TIME.size, 1))), bearing=["s.sun"])
+    assert not find_orbit(held, "s.sun").floating
+    with pytest.raises(LtcgearError, match=r"s.planet: no member that moves sideways; there are s.sun"):
+        find_orbit(dataset, "s.planet")
+
+
+# --- spans
+
+
+def test_spans_are_cut_to_the_second_half_or_as_asked():
+    dataset = make_dataset()
+    assert cut(dataset)["time"].values[0] == pytest.approx(2.0, abs=1e-3)
+    part = cut(dataset, 0.5, 1.0)["time"].values
+    assert (part[0], part[-1]) == (0.5, 1.0)
+
+
+def test_extremes_between_samples_belong_to_the_second_half_only():
+    extremes = {name: ("mesh", np.zeros(15), {"from_s": 2.0}) for name in ("mesh_force_lowest", "mesh_force_highest")}
+    dataset = make_dataset()
+    dataset = dataset.assign({k: (d, v[: dataset.sizes["mesh"]], a) for k, (d, v, a) in extremes.items()})
+    assert "mesh_force_lowest" in cut(dataset)
+    assert "mesh_force_lowest" not in cut(dataset, 2.0, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("span", "message"),
+    [
+        ((-1.0, 2.0), "the record runs from 0 s to 3.9"),
+        ((1.0, 9.0), "the record runs from"),
+        ((2.0, 1.0), "the first before the second"),
+        ((float("nan"), 1.0), "the record runs from"),
+        ((1.0, 1.001), r"9 samples, 64 at least are needed; give 0\.00781 s or more"),
+    ],
+)
+def test_spans_outside_the_record_are_refused(span, message):
+    with pytest.raises(LtcgearError, match=message):
+        cut(make_dataset(), *span)
+
+
+def test_samples_that_are_no_numbers_are_refused_with_where_they_begin():
+    dataset = make_dataset()
+    broken = dataset.assign(
+        mesh_force=dataset["mesh_force"].where((dataset["time"] < 3.0) | (dataset["mesh"] != "psh.mesh"))
+    )
+    with pytest.raises(LtcgearError, match=r"mesh_force:psh.mesh: not a number from 3 s on; .* --to 2\.9998"):
+        cut(broken)
+    assert cut(broken, 1.0, 2.99)["time"].values[-1] == pytest.approx(2.99, abs=1e-3)
+
+
+def test_a_change_of_speed_is_seen():
+    assert speed_change(make_dataset()) == pytest.approx(0.0)
+    ramp = result(TIME, speed={"a": 10.0 * TIME, "b": 1.0})
+    assert speed_change(ramp) == pytest.approx(0.8 / 0.9, rel=1e-2)
+    assert speed_change(planets(1.0, 1.0)) == 0.0
+
+
+def test_every_public_name_is_there():
+    from ltcgear.runtime import analysis
+
+    for name in analysis.__all__:
+        assert callable(getattr(analysis, name))
+    assert select_output is analysis.select_output
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = analysis.nothing
