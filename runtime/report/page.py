@@ -16,7 +16,7 @@ from .heading import describe_run, list_versions
 from .listing import list_tables
 from .mode_section import make_mode_section
 from .panels import make_panels
-from .scene_text import describe_scene
+from .scene_text import list_scene
 from .sections import make_sections
 from .stage import HEAD, LONGEST, pose_stage
 from .theme import themed
@@ -97,7 +97,7 @@ def compose_report(result: Result, background: Background, at: float | None = No
         film=_script_json(_film(track, stages, windows, factor)),
         sections=sections,
         tables=list_tables(result),
-        scene=describe_scene(dataset.attrs, background.sources),
+        scene=list_scene(dataset.attrs, background.sources),
         foot=list_versions(dataset.attrs),
         style=_asset("report.css"),
         script=_asset("report.js"),

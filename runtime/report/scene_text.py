@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
-def describe_scene(attributes: Mapping[str, Any], sources: Mapping[str, str]) -> dict[str, Any]:
+def list_scene(attributes: Mapping[str, Any], sources: Mapping[str, str]) -> dict[str, Any]:
     """Return a scene's lines with their kinds, changes on the command line, and sources by number."""
     text = str(attributes.get("scene_text", ""))
     return {
