@@ -125,6 +125,22 @@ def test_what_carriers_carry_is_drawn_against_the_carrier(rig):
     assert magnify(track, panels) * np.hypot(track.dx, track.dy).max() < 0.1 * panel.reach
 
 
+def test_the_bearing_of_the_output_takes_what_its_mesh_pushes(rig):
+    """Size and line of the bearing's mean force are the arrow's; teeth of outer gears push apart, a ring's pull in."""
+    result, panels, track = rig
+    panel = stage(panels, "psh")
+    contact = panel.contacts[0]
+    pushed = track.force[:, track.meshes.index(contact.name)].mean() * np.exp(1j * contact.direction)
+    bearing = result.bearing["psh.output"]
+    held = float(bearing.force_x.mean()) + 1j * float(bearing.force_y.mean())
+    assert min(abs(held - pushed), abs(held + pushed)) < 0.01 * abs(pushed)
+    for panel in panels:
+        for contact in panel.contacts:
+            one, two = wheel(panel, contact.one), wheel(panel, contact.two)
+            along = (two.x - one.x) * cos(contact.direction) + (two.y - one.y) * sin(contact.direction)
+            assert along * ENDS[contact.name.split(".")[1]][1] > 0, contact.name
+
+
 def test_other_flanks_push_the_other_way(tmp_path_factory):
     """With backlash the back flank's arrow turns gear 2 against the front one's; only one of them pushes at a time."""
     result = load_run(tmp_path_factory.mktemp("start"), "start-up", 0.2)
