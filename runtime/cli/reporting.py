@@ -9,6 +9,7 @@ from ltcgear.generated.errors import LtcgearError
 from .. import present
 from ..options import AsJson
 from ..results import check_target
+from ..results import load as load_result
 from .app import app
 from .linear import FEW, MANY
 
@@ -35,14 +36,13 @@ def report(
 ) -> None:
     """Write a result as one page of HTML: stages in motion, figures, tables, the scene. It needs no network."""
     from ..report.page import check_templates, write_report
-    from ..results import load
 
     target = result.with_suffix(".html") if output is None else output
     if target.suffix not in (".html", ".htm"):
         raise LtcgearError(f"{target}: a report is a page of HTML; name it {target.with_suffix('.html')}")
     check_target(target)
     check_templates()
-    loaded = load(result)
+    loaded = load_result(result)
     write_report(loaded, target, find_background(loaded, modes), at)
     data = {"result": str(result), "file": str(target), "bytes": target.stat().st_size}
     present.show(as_json, data, lambda shown: print(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))

@@ -10,13 +10,13 @@ import numpy as np
 from ..statistics import steady_start, window
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Mapping
 
     import xarray as xr
 
-    from ..results import Result
-
 Row = tuple[object, ...]
+FEWEST = 4
+"""Samples that statistics need."""
 
 
 def make_table(title: str, columns: Iterable[str], rows: Iterable[Row], *notes: str) -> dict[str, Any]:
@@ -38,29 +38,41 @@ def _written(cell: object) -> str:
     return f"{cell:.4e}" if size >= 1e6 or 0 < size < 1e-3 else f"{cell:,.0f}" if size >= 1e4 else f"{cell:.5g}"
 
 
-def list_tables(result: Result) -> list[dict[str, Any]]:
-    """Return the tables of a result, over the second half of the record."""
-    if result.dataset.sizes["time"] < 4:
+def list_tables(dataset: xr.Dataset, forces: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
+    """Return the tables of a result, over the second half of the record.
+
+    Parameters
+    ----------
+    dataset
+        The record.
+    forces
+        Statistics of the mesh forces, extremes between samples included.
+    """
+    if dataset.sizes["time"] < FEWEST:
         return []
-    return [*_forces(result), *_speeds(result), *_loads(result), *_bearings(result)]
+    return [*_forces(forces), *_speeds(dataset), *_loads(dataset), *_bearings(dataset)]
 
 
-def _forces(result: Result) -> Iterator[dict[str, Any]]:
+def _forces(forces: Mapping[str, Mapping[str, float]]) -> Iterator[dict[str, Any]]:
     """List the mesh forces."""
-    forces = result.summary.get("forces", {})
     keys = ("mean", "min", "max", "rms", "load_factor")
     if forces:
         yield make_table(
             "Mesh forces, second half of the record",
             ("mesh", "mean [N]", "min [N]", "max [N]", "rms [N]", "load factor [1]"),
-            [(name, *(float(force.get(key) or math.nan) for key in keys)) for name, force in forces.items()],
+            [(name, *(_number(force.get(key)) for key in keys)) for name, force in forces.items()],
             "Load factor: the largest force over the mean, extremes between samples included.",
         )
 
 
-def _speeds(result: Result) -> Iterator[dict[str, Any]]:
+def _number(value: float | None) -> float:
+    """Return a number, or NaN where there is none."""
+    return math.nan if value is None else float(value)
+
+
+def _speeds(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
     """List the speeds of the rotors."""
-    data = _steady(result.dataset, "speed")
+    data = _steady(dataset, "speed")
     if data is not None:
         factor = 30 / math.pi
         rows = [
@@ -75,11 +87,11 @@ def _speeds(result: Result) -> Iterator[dict[str, Any]]:
         )
 
 
-def _loads(result: Result) -> Iterator[dict[str, Any]]:
+def _loads(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
     """List the torques of drives, loads and couplings."""
     rows: list[Row] = []
     for kind, variable in (("drive", "drive_torque"), ("load", "load_torque"), ("coupling", "coupling_torque")):
-        for name, value in (_steady(result.dataset, variable) or {}).items():
+        for name, value in (_steady(dataset, variable) or {}).items():
             rows.append((name, kind, *(float(v) for v in (value.mean(), value.min(), value.max()))))
     if rows:
         yield make_table(
@@ -87,11 +99,11 @@ def _loads(result: Result) -> Iterator[dict[str, Any]]:
         )
 
 
-def _bearings(result: Result) -> Iterator[dict[str, Any]]:
+def _bearings(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
     """List the root mean squares of the bearings' forces."""
     rows: list[Row] = []
     for kind in ("bearing", "pin"):
-        x, y = (_steady(result.dataset, f"{kind}_force_{axis}") or {} for axis in "xy")
+        x, y = (_steady(dataset, f"{kind}_force_{axis}") or {} for axis in "xy")
         for name in x:
             size = np.hypot(x[name], y[name])
             rows.append((name, kind, *(float(v) for v in (np.sqrt(np.mean(size**2)), size.mean(), size.max()))))

@@ -8,6 +8,7 @@ from importlib import resources
 from math import isfinite, log
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..results import written_whole
@@ -82,7 +83,7 @@ def write_report(result: Result, path: Path, background: Background | None = Non
 def compose_report(result: Result, background: Background, at: float | None = None) -> str:
     """Return the page of a result; see ``write_report``."""
     environment = _environment()
-    dataset = result.dataset
+    dataset, lost = _numbers(result.dataset)
     _check(dataset, at)
     track, panels = _motion(dataset)
     windows = choose_windows(track, at)
@@ -91,12 +92,14 @@ def compose_report(result: Result, background: Background, at: float | None = No
     with themed():
         sections = make_sections(dataset, background.modes)
     sections.insert(-1, make_mode_section(background.linear, background.modes, background.why_no_modes))
+    head = describe_run(result)
+    head["warnings"] += [lost] if lost else []
     return environment.get_template("report.html").render(
-        head=describe_run(result),
+        head=head,
         stage=_stage(track, stages, windows, factor),
         film=_script_json(_film(track, stages, windows, factor)),
         sections=sections,
-        tables=list_tables(result),
+        tables=list_tables(dataset, result.summary.get("forces", {})),
         scene=list_scene(dataset.attrs, background.sources),
         foot=list_versions(dataset.attrs),
         style=_asset("report.css"),
@@ -124,6 +127,16 @@ def _environment() -> Any:  # noqa: ANN401
 def _asset(name: str) -> str:
     """Return the text of a file beside the templates."""
     return (resources.files(__package__ or "") / "templates" / name).read_text("utf-8")
+
+
+def _numbers(dataset: xr.Dataset) -> tuple[xr.Dataset, str]:
+    """Return the record up to where a run broke down and left samples that are not numbers, and what is said of that."""
+    tables = [dataset[name].transpose("time", ...).values for name in ("state", "mesh_force") if name in dataset]
+    bad = np.flatnonzero(~np.logical_and.reduce([np.isfinite(table).all(axis=1) for table in tables]))
+    if not bad.size:
+        return dataset, ""
+    begin = f"{dataset['time'].values[bad[0]]:.6g} s"
+    return dataset.isel(time=slice(0, int(bad[0]))), f"Samples from {begin} on are not numbers and are left out."
 
 
 def _check(dataset: xr.Dataset, at: float | None) -> None:

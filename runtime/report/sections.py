@@ -187,7 +187,8 @@ def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section
     meshes = list_items(dataset, "mesh_force")
     if not meshes:
         return
-    mesh = max(meshes, key=lambda name: (frequencies.get(stage_of(name), 0.0), -meshes.index(name)))
+    varying = dict(zip(meshes, dataset["mesh_force"].transpose("time", ...).values.std(axis=0), strict=True))
+    mesh = max(meshes, key=lambda name: (frequencies.get(stage_of(name), 0.0), varying[name]))
     section = Section("waterfall", "Waterfall", [f"The force of {mesh}, the mesh that passes most teeth, as its spectrum changes."])
     highest = HARMONICS * frequencies.get(stage_of(mesh), 0.0)
 

@@ -22,9 +22,9 @@ COLOURS = {
 }  # fmt: skip
 """Colours in a figure, and the page's names for them."""
 STYLE = {
-    "svg.fonttype": "none", "text.parse_math": False, "font.size": 9.5, "font.family": "sans-serif",
-    "axes.titlesize": 10.5, "axes.titlelocation": "left", "axes.titleweight": "bold", "axes.labelsize": 9.5,
-    "xtick.labelsize": 9, "ytick.labelsize": 9, "legend.fontsize": 9, "legend.frameon": False,
+    "svg.fonttype": "none", "text.parse_math": False, "font.size": 10, "font.family": "sans-serif",
+    "axes.titlesize": 10.5, "axes.titlelocation": "left", "axes.titleweight": "bold", "axes.labelsize": 10,
+    "xtick.labelsize": 9.5, "ytick.labelsize": 9.5, "legend.frameon": False,
     "text.color": INK, "axes.labelcolor": INK, "axes.titlecolor": INK, "axes.edgecolor": SOFT, "xtick.color": SOFT,
     "ytick.color": SOFT, "xtick.labelcolor": INK, "ytick.labelcolor": INK, "grid.color": LINE, "grid.linewidth": 0.6,
     "axes.grid": True, "axes.axisbelow": True, "axes.spines.top": False, "axes.spines.right": False,

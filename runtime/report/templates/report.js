@@ -74,8 +74,9 @@
   function trace() {
     if (!strip || chosen === undefined) return;
     const k = meshes.get(chosen), forces = shown.force.subarray(k * shown.count, (k + 1) * shown.count);
-    let low = Math.min(0, ...forces), high = Math.max(0, ...forces);
-    if (low === high) high = low + 1;
+    let low = Math.min(...forces), high = Math.max(...forces);
+    byId("range").value = `Curve: ${tell(chosen, low)} to ${tell(chosen, high)}.`;
+    if (low === high) { low -= 1; high += 1; }
     const room = 0.08 * (high - low), y = (force) => 100 * (high + room - force) / (high - low + 2 * room);
     const points = Array.from(forces, (force, i) => `${i} ${y(force).toFixed(2)}`);
     strip.setAttribute("viewBox", `0 0 ${Math.max(1, shown.count - 1)} 100`);
