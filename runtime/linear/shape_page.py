@@ -107,7 +107,8 @@ def draw_mode(sheet: Sheet, number: int, mode: Mode, motions: dict[str, Motion])
     )
     told = escape(caption(number, mode))
     return (
-        f'<figure class="mode"><svg viewBox="{box}" role="img" aria-label="{told}"><g class="rest">{rest}</g>{moved}{names}</svg>'
+        f'<figure class="mode"><svg viewBox="{box}" role="img" aria-label="{told}"><g class="rest">{rest}</g>'
+        f"{moved}{names}</svg>"
         f"<figcaption>{told}</figcaption></figure>"
     )
 

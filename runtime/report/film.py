@@ -30,7 +30,7 @@ STEPS = 32767
 
 @dataclass(frozen=True)
 class Window:
-    """Samples that are frames: every ``stride``-th from ``first``, ``count`` in all; ``name`` and ``label`` tell which."""
+    """Samples that are frames: every ``stride``-th from ``first``, ``count`` in all; ``label`` tells which."""
 
     name: str
     label: str
@@ -158,14 +158,18 @@ def choose_windows(track: Track, at: float | None = None) -> list[Window]:
                    (samples - 1) // stride + 1)  # fmt: skip
     if stride == 1:
         return [whole]
-    first = samples - most if at is None else int(np.clip(np.searchsorted(track.time, at) - most // 2, 0, samples - most))
+    first = (
+        samples - most if at is None else int(np.clip(np.searchsorted(track.time, at) - most // 2, 0, samples - most))
+    )
     return [Window("close", _label("close up", track.time, first, 1, first + most, rate), first, 1, most), whole]
 
 
 def _label(name: str, time: Vector, first: int, stride: int, stop: int, rate: float) -> str:
     """Say which samples are frames."""
     every = "every sample" if stride == 1 else f"every {stride}th sample"
-    return f"{name}: {time[first]:.4g} to {time[stop - 1]:.4g} s, {every} ({rate / stride:.4g} frames a simulated second)"
+    return (
+        f"{name}: {time[first]:.4g} to {time[stop - 1]:.4g} s, {every} ({rate / stride:.4g} frames a simulated second)"
+    )
 
 
 def _rate(time: Vector) -> float:

@@ -36,7 +36,9 @@ def list_effects(attributes: Mapping[str, Any]) -> list[dict[str, Any]]:
         effects = json.loads(attributes["scene_json"])["effects"]
     except (KeyError, ValueError, TypeError):
         return []
-    chips = [{"name": key.replace("_", " "), "value": str(value), "off": value in OFF} for key, value in effects.items()]
+    chips = [
+        {"name": key.replace("_", " "), "value": str(value), "off": value in OFF} for key, value in effects.items()
+    ]
     return sorted(chips, key=lambda chip: bool(chip["off"]))
 
 
@@ -95,7 +97,7 @@ def _pace(summary: Mapping[str, Any]) -> tuple[str, str]:
     took = "" if seconds is None else f"{seconds:.3g} s of integration"
     if not factor or not isfinite(factor):
         return "-", took
-    return (f"{factor:.3g} × real time" if factor >= 1 else f"1/{1 / factor:.3g} of real time"), took
+    return (f"{factor:.3g} times real time" if factor >= 1 else f"1/{1 / factor:.3g} of real time"), took
 
 
 def list_versions(attributes: Mapping[str, Any]) -> str:

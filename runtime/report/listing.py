@@ -31,7 +31,7 @@ def make_table(title: str, columns: Iterable[str], rows: Iterable[Row], *notes: 
 def _written(cell: object) -> str:
     """Write a cell, numbers with five digits; a dash for nothing."""
     if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
-        return "–"
+        return "-"
     if not isinstance(cell, float):
         return str(cell)
     size = abs(cell)

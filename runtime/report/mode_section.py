@@ -40,8 +40,8 @@ def make_mode_section(linear: Linear | None, modes: Sequence[Mode], reason: str)
     chosen = (vibrating or list(range(1, len(modes) + 1)))[:DRAWN]
     sheet = lay_out(linear.library, linear.p)
     section.text.append(
-        "Eigenmodes at the loaded equilibrium, meshes at their mean stiffness. Shapes are exaggerated, slowed down and all "
-        f"at one pace; grey: at rest. The lowest {len(chosen)} that vibrate are drawn; ltcgear modes draws any."
+        "Eigenmodes at the loaded equilibrium, meshes at their mean stiffness. Shapes are exaggerated, slowed down and "
+        f"all at one pace; grey: at rest. The lowest {len(chosen)} that vibrate are drawn; ltcgear modes draws any."
     )
     section.modes = [draw_mode(sheet, k, modes[k - 1], exaggerate(linear, sheet, modes[k - 1])) for k in chosen]
     section.moves = True

@@ -94,7 +94,7 @@ def compose_report(result: Result, background: Background, at: float | None = No
     sections.insert(-1, make_mode_section(background.linear, background.modes, background.why_no_modes))
     head = describe_run(result)
     head["warnings"] += [lost] if lost else []
-    return environment.get_template("report.html").render(
+    text: str = environment.get_template("report.html").render(
         head=head,
         stage=_stage(track, stages, windows, factor),
         film=_script_json(_film(track, stages, windows, factor)),
@@ -105,6 +105,7 @@ def compose_report(result: Result, background: Background, at: float | None = No
         style=_asset("report.css"),
         script=_asset("report.js"),
     )
+    return text
 
 
 def check_templates() -> None:
@@ -130,7 +131,7 @@ def _asset(name: str) -> str:
 
 
 def _numbers(dataset: xr.Dataset) -> tuple[xr.Dataset, str]:
-    """Return the record up to where a run broke down and left samples that are not numbers, and what is said of that."""
+    """Return the record up to where a run broke down and left what is no number, and what is said of that."""
     tables = [dataset[name].transpose("time", ...).values for name in ("state", "mesh_force") if name in dataset]
     bad = np.flatnonzero(~np.logical_and.reduce([np.isfinite(table).all(axis=1) for table in tables]))
     if not bad.size:
@@ -169,8 +170,8 @@ def _stage(track: Track, stages: list[dict[str, Any]], windows: list[Window], fa
     parts = dict.fromkeys(wheel["part"] for panel in stages for wheel in panel["wheels"])
     shifts = bool(track.bodies)
     told = (
-        f"Members turn by their angles as simulated; where they are pushed to is drawn {factor:g} times as far from their "
-        "places as it is."
+        "Members turn by their angles as simulated; how far they are pushed from their places is drawn "
+        f"{factor:g} times as large."
         if shifts
         else "Members turn by their angles as simulated; nothing moves sideways in this scene."
     )
@@ -184,18 +185,32 @@ def _stage(track: Track, stages: list[dict[str, Any]], windows: list[Window], fa
 
 def _film(track: Track, stages: list[dict[str, Any]], windows: list[Window], factor: float) -> dict[str, Any]:
     """Return the data of the animation."""
-    keys = {"panel": ("frame", "scale", "unit", "measure"), "wheel": ("body", "x", "y")}
+    panel_keys, wheel_keys = ("frame", "scale", "unit", "measure"), ("body", "x", "y")
+    contact_keys = ("name", "one", "two", "x", "y", "direction")
+    panels = [
+        _only(panel_keys, panel)
+        | {
+            "wheels": [_only(wheel_keys, wheel) for wheel in panel["wheels"]],
+            "contacts": [_only(contact_keys, contact) for contact in panel["contacts"]],
+        }
+        for panel in stages
+    ]
     return {
-        "factor": factor, "longest": LONGEST, "head": HEAD, "rotors": track.rotors, "ratio": track.ratio.tolist(),
-        "bodies": track.bodies, "meshes": track.meshes,
+        "factor": factor,
+        "longest": LONGEST,
+        "head": HEAD,
+        "rotors": track.rotors,
+        "ratio": track.ratio.tolist(),
+        "bodies": track.bodies,
+        "meshes": track.meshes,
         "windows": [pack(track, window) | {"pace": _pace(window, track)} for window in windows],
-        "panels": [
-            {key: panel[key] for key in keys["panel"]}
-            | {"wheels": [{key: wheel[key] for key in keys["wheel"]} for wheel in panel["wheels"]]}
-            | {"contacts": [{key: c[key] for key in ("name", "one", "two", "x", "y", "direction")} for c in panel["contacts"]]}
-            for panel in stages
-        ],
-    }  # fmt: skip
+        "panels": panels,
+    }
+
+
+def _only(keys: tuple[str, ...], table: dict[str, Any]) -> dict[str, Any]:
+    """Return what stands under some keys."""
+    return {key: table[key] for key in keys}
 
 
 def _script_json(data: dict[str, Any]) -> str:

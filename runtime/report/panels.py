@@ -156,7 +156,9 @@ def _wheels(title: str, discs: list[dict[str, Any]]) -> dict[str, Wheel]:
     middle = next((disc for disc in found if disc["part"] in ("ring", "sun", "input")), found[0])
     names = ("body", "part", "radius")
     return {
-        disc["body"]: Wheel(**{name: disc[name] for name in names}, x=disc["x"] - middle["x"], y=disc["y"] - middle["y"])
+        disc["body"]: Wheel(
+            **{name: disc[name] for name in names}, x=disc["x"] - middle["x"], y=disc["y"] - middle["y"]
+        )
         for disc in found
     }
 

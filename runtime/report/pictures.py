@@ -50,9 +50,10 @@ def make_picture(
 
 
 def _lay_out(figure: Figure, width: float, height: float) -> None:
-    """Give the panels of a figure [in] fixed margins, which costs half of what finding them does; bars of colour vary."""
+    """Give a figure [in] fixed margins, for to find them takes as long as to draw; not where there is a colour bar."""
     figure.set_size_inches(width, height)
-    rows = len({axes.get_subplotspec().rowspan.start for axes in figure.axes if axes.get_subplotspec()})
+    places = [axes.get_subplotspec() for axes in figure.axes]
+    rows = len({place.rowspan.start for place in places if place is not None})
     if any(axes.get_label() == "<colorbar>" for axes in figure.axes):
         return
     figure.set_layout_engine(None)
@@ -88,8 +89,9 @@ def _take_legend(figure: Figure) -> list[dict[str, Any]]:
     for axes in figure.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             found.setdefault(label, {"text": label.replace("\n", ", ")} | _look(handle))
-        if axes.get_legend() is not None:
-            axes.get_legend().remove()
+        drawn = axes.get_legend()
+        if drawn is not None:
+            drawn.remove()
     for legend in list(figure.legends):
         legend.remove()
     return list(found.values())
@@ -107,7 +109,7 @@ def _look(handle: Any) -> dict[str, Any]:  # noqa: ANN401
     if style in (" ", "None", ""):
         words = marker in ("None", "", " ")
         return {"colour": "" if words else _name(to_hex(handle.get_color())), "dash": "", "mark": marker}
-    dash = {"--": "6 3", "-.": "6 2 1 2", ":": "1.5 2.5"}.get(style, "")
+    dash = {"--": "6 3", "-.": "6 2 1 2", ":": "1.5 2.5"}.get(str(style), "")
     return {"colour": _name(to_hex(handle.get_color())), "dash": dash, "mark": "line"}
 
 

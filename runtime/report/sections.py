@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -84,7 +85,7 @@ def _forces(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     if groups:
         section = Section("forces", "Mesh forces", ["Normal forces along the lines of action." + _left_out(groups)])
         for group in groups[:MOST]:
-            section.draw(lambda group=group: draw_forces(dataset, group), "Above the whole record, below its end.", 4.2)
+            section.draw(partial(draw_forces, dataset, group), "Above the whole record, below its end.", 4.2)
         yield section
 
 
@@ -106,7 +107,7 @@ def _shares(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
         return draw_shares(find_load_share(part, group), carrier_turns(part, stage_of(group)))
 
     for group in groups[:MOST]:
-        section.draw(lambda group=group: draw(group), "Means in the legend; the mesh load factor is the largest.", 3.0)
+        section.draw(partial(draw, group), "Means in the legend; the mesh load factor is the largest.", 3.0)
     yield section
 
 
@@ -118,8 +119,8 @@ def _spectra(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     if not wanted:
         return
     section = Section("spectra", "Spectra", [
-        "Second half of the record. The strongest lines are numbered and named by what explains them: harmonics of mesh "
-        "frequencies (“2 hsp”), sidebands, turns of shafts, or modes of the linearised model."
+        "Second half of the record. The strongest lines are numbered and named by what explains them: harmonics of "
+        "mesh frequencies (“2 hsp”), sidebands, turns of shafts, or modes of the linearised model."
     ])  # fmt: skip
     try:
         part = cut(dataset)
@@ -132,13 +133,15 @@ def _spectra(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
         section.text.append(f"Speeds change by {changing:.0%} there, so spectra are taken over turns of a shaft.")
     clues = find_clues(part, modes)
     for quantity, item in wanted:
-        section.draw(lambda q=quantity, i=item: _spectrum(part, q, i, clues, changing > CHANGING), "", 3.1)
+        section.draw(partial(_spectrum, part, quantity, item, clues, changing > CHANGING), "", 3.1)
     yield section
 
 
 def _spectrum(part: xr.Dataset, quantity: str, item: str, clues: Clues, turning: bool) -> Figure:
     """Draw the spectrum of an output, over the turns of the fastest rotor where speeds change."""
-    signals = [pick(part, name, item) for name in (quantity, quantity.replace("_x", "_y"))[: 1 + quantity.endswith("_x")]]
+    signals = [
+        pick(part, name, item) for name in (quantity, quantity.replace("_x", "_y"))[: 1 + quantity.endswith("_x")]
+    ]
     for signal in signals:
         _refuse_constant(signal)
     highest = HARMONICS * max(clues.meshes.values(), default=0.0)
@@ -189,7 +192,9 @@ def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section
         return
     varying = dict(zip(meshes, dataset["mesh_force"].transpose("time", ...).values.std(axis=0), strict=True))
     mesh = max(meshes, key=lambda name: (frequencies.get(stage_of(name), 0.0), varying[name]))
-    section = Section("waterfall", "Waterfall", [f"The force of {mesh}, the mesh that passes most teeth, as its spectrum changes."])
+    section = Section(
+        "waterfall", "Waterfall", [f"The force of {mesh}, the mesh that passes most teeth, as its spectrum changes."]
+    )
     highest = HARMONICS * frequencies.get(stage_of(mesh), 0.0)
 
     def find() -> tuple[Any, Any, float | None]:
@@ -210,8 +215,8 @@ def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     if not members:
         return
     text = (
-        "Paths of members' centres in the second half of the record, in axes that turn with the stage's carrier. + is "
-        "the mean place, × the loaded equilibrium, a dashed circle a clearance."
+        "Paths of members' centres in the second half of the record, in axes that turn with the stage's carrier. A cross is "
+        "the mean place, a slanted one the loaded equilibrium, a dashed circle a clearance."
     )
     section = Section("orbits", "Orbits", [text])
     try:
@@ -228,7 +233,7 @@ def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     ordered = sorted(moving, key=lambda orbit: (not orbit.floating, ".planet." in orbit.member))
     for orbit in ordered[:MOST]:
         caption = f"RMS distance from the mean place: {orbit.rms * 1e6:.3g} µm"
-        section.draw(lambda orbit=orbit: draw_orbits([orbit]), caption, 2.6, width=2.6)
+        section.draw(partial(draw_orbits, [orbit]), caption, 2.6, width=2.6)
         section.pictures[-1] |= {"title": orbit.member + (", floating" if orbit.floating else ""), "legend": []}
     yield section
 
@@ -236,9 +241,9 @@ def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
 def _march(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     """Draw the integrator's steps and the switchings along time."""
     section = Section("march", "Steps and switchings", [
-        "How the integrator went: the size of its steps, and how often stiffness switches or contacts change, as seen at "
-        "the samples."
+        "How the integrator went: the size of its steps, and how often stiffness switches or contacts change, as seen "
+        "at the samples."
     ])  # fmt: skip
-    section.draw(lambda: draw_steps(dataset), "Mean between samples.", 2.6)
-    section.draw(lambda: draw_switchings(dataset), "Changes seen between samples, counted in short spans.", 2.6)
+    section.draw(partial(draw_steps, dataset), "Mean between samples.", 2.6)
+    section.draw(partial(draw_switchings, dataset), "Changes seen between samples, counted in short spans.", 2.6)
     yield section

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from contextlib import contextmanager
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ COLOURS = {
     "#e69f00": "orange", "#56b4e9": "sky", "#777777": "soft", "#000000": "ink",
 }  # fmt: skip
 """Colours in a figure, and the page's names for them."""
-STYLE = {
+STYLE: Any = {
     "svg.fonttype": "none", "text.parse_math": False, "font.size": 10, "font.family": "sans-serif",
     "axes.titlesize": 10.5, "axes.titlelocation": "left", "axes.titleweight": "bold", "axes.labelsize": 10,
     "xtick.labelsize": 9.5, "ytick.labelsize": 9.5, "legend.frameon": False,

@@ -5,10 +5,10 @@ from math import hypot
 
 import numpy as np
 import pytest
-
 from ltcgear.runtime import load
 from ltcgear.runtime.cli import reporting
 from ltcgear.runtime.report.page import write_report
+
 from reports import simulate_into
 
 STILL = {"reduced_motion": "reduce"}
@@ -89,7 +89,9 @@ def test_all_forces_of_the_lists_are_those_of_the_file(visit, rig):
     result, path = rig
     page = visit(path, **STILL)
     time, _ = scrub(page, 777)
-    told = page.eval_on_selector_all("button[data-mesh]", "(all) => all.map((b) => [b.dataset.mesh, b.querySelector('output').value])")
+    told = page.eval_on_selector_all(
+        "button[data-mesh]", "(all) => all.map((b) => [b.dataset.mesh, b.querySelector('output').value])"
+    )
     assert len(told) == 15
     for mesh, text in told:
         assert float(text.split()[0]) * 1e3 == pytest.approx(force_at(result, mesh, time), rel=1e-3)
@@ -116,7 +118,12 @@ def test_arrows_are_as_long_as_forces(visit, rig):
     found = page.eval_on_selector_all(
         "g.contact", "(all) => all.map((g) => [g.dataset.mesh, g.querySelector('.push').getAttribute('d')])"
     )
-    told = dict(page.eval_on_selector_all("button[data-mesh]", "(all) => all.map((b) => [b.dataset.mesh, parseFloat(b.querySelector('output').value)])"))
+    told = dict(
+        page.eval_on_selector_all(
+            "button[data-mesh]",
+            "(all) => all.map((b) => [b.dataset.mesh, parseFloat(b.querySelector('output').value)])",
+        )
+    )
     for stage in ("lsp", "hsp"):
         scale = {
             round(float(re.search(r"M(-?[\d.]+) 0l", path)[1]) / told[mesh], 3)
@@ -150,7 +157,13 @@ def test_the_keyboard_does_it_all(visit, rig):
     page = visit(rig[1], **STILL)
     page.focus("#stage")
     value = lambda: int(page.input_value("#scrub"))  # noqa: E731
-    for key, expected in (("ArrowRight", 1), ("Shift+ArrowRight", 11), ("ArrowLeft", 10), ("End", frames(page)), ("Home", 0)):
+    for key, expected in (
+        ("ArrowRight", 1),
+        ("Shift+ArrowRight", 11),
+        ("ArrowLeft", 10),
+        ("End", frames(page)),
+        ("Home", 0),
+    ):
         page.keyboard.press(key)
         assert value() == expected, key
     page.keyboard.press("Space")
@@ -199,7 +212,8 @@ def test_cursors_of_the_pictures_follow(visit, rig):
     for frame in (0, frames(page) // 2, frames(page)):
         time, _ = scrub(page, frame)
         at = page.evaluate(
-            "(() => { const figure = document.querySelector('#forces figure'), axes = JSON.parse(figure.dataset.clocks)[0];"
+            "(() => { const figure = document.querySelector('#forces figure');"
+            "const axes = JSON.parse(figure.dataset.clocks)[0];"
             "const x = Number(figure.querySelector('.cursor').getAttribute('x1'));"
             "return axes.begin + (axes.end - axes.begin) * (x - axes.left) / (axes.right - axes.left); })()"
         )
@@ -235,7 +249,9 @@ def test_modes_move(visit, rig):
     page = visit(rig[1])
     page.locator("#modes figure").first.scroll_into_view_if_needed()
     before = page.get_attribute("g.part", "transform")
-    page.wait_for_function("(before) => document.querySelector('g.part').getAttribute('transform') !== before", arg=before)
+    page.wait_for_function(
+        "(before) => document.querySelector('g.part').getAttribute('transform') !== before", arg=before
+    )
     page.click("#move")
     assert page.inner_text("#move") == "Move"
 

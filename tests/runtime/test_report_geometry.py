@@ -8,6 +8,7 @@ import pytest
 from ltcgear.runtime.report.film import choose_windows, magnify, make_track, pack
 from ltcgear.runtime.report.panels import BACK, ENDS, make_panels, nice
 from ltcgear.runtime.report.stage import arrow, pose_stage, transform
+
 from reports import load_run
 
 TORQUE = 1.06e4
@@ -37,7 +38,7 @@ def moment(panel, contact, body):
 
 
 def test_the_arrow_turns_the_output_as_the_load_calls_for(rig):
-    """The pinion of the last stage hands the printed load on: the arrow's moment is that torque, in the speed's sense."""
+    """The pinion of the last stage hands the printed load on: the arrow's moment is that torque, as the speed turns."""
     result, panels, track = rig
     panel = stage(panels, "psh")
     force = track.force[:, track.meshes.index("psh.mesh")].mean()
@@ -114,7 +115,7 @@ def test_teeth_are_as_many_as_the_paper_prints(rig):
 
 
 def test_what_carriers_carry_is_drawn_against_the_carrier(rig):
-    """The wound-up train turns the HSP's carrier by degrees; planets are drawn a few bearing deflections off their pins."""
+    """The wound-up train turns the HSP's carrier by degrees; planets are drawn a bearing's deflection off their pins."""
     result, panels, track = rig
     assert float(abs(result.rotor["hsp.carrier"].twist).max()) > 0.05
     assert np.abs(result.dataset["displacement_x"].sel(member="hsp.planet.2")).max() > 0.02
