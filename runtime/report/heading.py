@@ -97,7 +97,8 @@ def _pace(summary: Mapping[str, Any]) -> tuple[str, str]:
     took = "" if seconds is None else f"{seconds:.3g} s of integration"
     if not factor or not isfinite(factor):
         return "-", took
-    return (f"{factor:.3g} times real time" if factor >= 1 else f"1/{1 / factor:.3g} of real time"), took
+    value = f"{factor:.3g}" if factor >= 1 else f"1/{1 / factor:.3g}"
+    return value, f"{'times' if factor >= 1 else 'of'} real time, {took}"
 
 
 def list_versions(attributes: Mapping[str, Any]) -> str:

@@ -215,8 +215,8 @@ def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     if not members:
         return
     text = (
-        "Paths of members' centres in the second half of the record, in axes that turn with the stage's carrier. A cross is "
-        "the mean place, a slanted one the loaded equilibrium, a dashed circle a clearance."
+        "Paths of members' centres in the second half of the record, in axes that turn with the stage's carrier. "
+        "A cross is the mean place, a slanted one the loaded equilibrium, a dashed circle a clearance."
     )
     section = Section("orbits", "Orbits", [text])
     try:

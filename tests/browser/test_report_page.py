@@ -239,7 +239,7 @@ def test_parted_teeth_are_drawn_open(visit, tmp_path):
 def test_without_javascript_it_is_read_as_still_pictures(visit, rig):
     page = visit(rig[1], java_script_enabled=False)
     assert page.locator(".panel svg").first.is_visible()
-    assert not page.locator(".controls").is_visible()
+    assert not page.locator("#play").is_visible()
     assert "Without JavaScript" in page.inner_text("#stage")
     assert page.locator("figure.picture svg").count() > 15
     assert page.locator("figure.mode").first.is_visible()
@@ -264,7 +264,7 @@ def test_it_prints_on_a4(visit, rig, tmp_path):
     assert 5 < len(boxes) < 30
     assert all((round(float(w)), round(float(h))) in {(595, 842), (596, 842)} for w, h in boxes)
     page.emulate_media(media="print")
-    assert not page.locator(".controls").is_visible()
+    assert not page.locator(".controls, .transport").first.is_visible()
     assert not page.locator("nav").is_visible()
 
 

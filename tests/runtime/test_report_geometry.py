@@ -115,7 +115,7 @@ def test_teeth_are_as_many_as_the_paper_prints(rig):
 
 
 def test_what_carriers_carry_is_drawn_against_the_carrier(rig):
-    """The wound-up train turns the HSP's carrier by degrees; planets are drawn a bearing's deflection off their pins."""
+    """The wound-up train turns the HSP's carrier by degrees; planets are drawn microns off their pins."""
     result, panels, track = rig
     assert float(abs(result.rotor["hsp.carrier"].twist).max()) > 0.05
     assert np.abs(result.dataset["displacement_x"].sel(member="hsp.planet.2")).max() > 0.02
