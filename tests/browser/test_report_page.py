@@ -178,6 +178,9 @@ def test_the_keyboard_does_it_all(visit, rig):
 
 def test_a_click_on_an_arrow_chooses_its_mesh(visit, rig):
     page = visit(rig[1], **STILL)
+    page.evaluate(
+        "document.documentElement.style.scrollBehavior = 'auto'; document.getElementById('stage').scrollIntoView()"
+    )
     page.locator('g.contact[data-mesh="psh.mesh"] .touch').click(force=True)
     assert page.inner_text("#chosen") == "psh.mesh"
     assert page.get_attribute('button[data-mesh="psh.mesh"]', "aria-pressed") == "true"
