@@ -192,7 +192,8 @@ def mesh_frequencies(
     phase = part["mesh_phase"].transpose("time", ...)
     rates = np.abs(phase.values[-1] - phase.values[0]) / (time[-1] - time[0])
     stages: dict[str, list[float]] = {}
-    for mesh, rate in zip(phase[phase.dims[1]].values, rates, strict=True):
+    # Flanks of a mesh with backlash share one phase, so phases may have a dimension of their own.
+    for mesh, rate in zip(phase[phase.dims[-1]].values, rates, strict=True):
         stages.setdefault(stage_of(str(mesh)), []).append(float(rate))
     return {stage: float(np.mean(values)) for stage, values in stages.items()}
 

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 9.0, 4.4
 """Size of a figure with one panel [in]."""
-COLUMNS = 400
-"""Columns that a curve is thinned to, each with its lowest and highest point."""
+COLUMNS, FEWEST = 1200, 120
+"""Columns that the curves of a panel are thinned to, all together, and one curve; each keeps its extremes."""
 SIZES = {
     "N": ((1.0, "N"), (1e3, "kN")),
     "N*m": ((1.0, "N m"), (1e3, "kN m")),
@@ -62,7 +62,12 @@ def style_of(number: int) -> tuple[str, str]:
     return LINE_COLOURS[number % colours], DASHES[number // colours % len(DASHES)]
 
 
-def thin(x: FloatArray, y: FloatArray, columns: int = COLUMNS) -> tuple[FloatArray, FloatArray]:
+def columns_for(curves: int) -> int:
+    """Return into how many columns each of some curves is thinned."""
+    return int(np.clip(COLUMNS // max(curves, 1), FEWEST, COLUMNS // 3))
+
+
+def thin(x: FloatArray, y: FloatArray, columns: int = COLUMNS // 3) -> tuple[FloatArray, FloatArray]:
     """Return the lowest and the highest point of every column of a curve, so that no peak is lost.
 
     Parameters

@@ -15,6 +15,9 @@ from .trace import FloatArray, Trace, read_trace
 if TYPE_CHECKING:
     import xarray as xr
 
+BINS = 8
+"""Bins of the spectrum below which a band that was not asked for is too narrow."""
+
 
 @dataclass(frozen=True)
 class Envelope:
@@ -117,9 +120,12 @@ def _spectrum(one: Trace, value: FloatArray, window: str) -> Spectrum:
 
 
 def choose_band(spectrum: Spectrum, mesh_hz: float, harmonics: int = 6) -> tuple[float, float]:
-    """Return the band [Hz] half a mesh frequency to both sides of the strongest of a mesh's first harmonics."""
+    """Return the band [Hz] half a mesh frequency to both sides of the strongest of a mesh's first harmonics.
+
+    Where that would hold fewer than `BINS` bins it is nearly all frequencies.
+    """
     known = [h for h in range(1, harmonics + 1) if (h + 0.5) * mesh_hz <= spectrum.axis[-1]]
-    if not known or mesh_hz <= 0.0:
+    if not known or mesh_hz < BINS * spectrum.resolution:
         return 2.0 * spectrum.resolution, float(spectrum.axis[-1])
     best = max(known, key=lambda h: spectrum.at(h * mesh_hz))
     return (best - 0.5) * mesh_hz, (best + 0.5) * mesh_hz

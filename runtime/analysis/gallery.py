@@ -18,14 +18,15 @@ from .load_figures import (
 from .orbit_figures import draw_orbits
 from .spectrum_figures import draw_envelope, draw_spectrogram, draw_spectrum, draw_waterfall
 from .survey import Seen, Survey
+from .trace import front
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from .trace import FloatArray
 
-REACH = 4.0
-"""Highest frequency of spectrograms and waterfalls over that of the fastest mesh."""
+REACH, BINS = 4.0, 32
+"""Highest frequency of spectrograms and waterfalls over that of the fastest mesh, and bins shown at least."""
 
 
 def draw_survey(found: Survey) -> Iterator[tuple[str, Figure]]:
@@ -36,8 +37,9 @@ def draw_survey(found: Survey) -> Iterator[tuple[str, Figure]]:
         yield f"shares-{share.group}", draw_shares(share, _turns(found, share.group))
     for seen in found.seen:
         yield from _draw_seen(found, seen)
-    if found.errors:
-        yield "transmission-error", draw_transmission_error(found.errors)
+    for mesh in dict.fromkeys(front(error.mesh) for error in found.errors):
+        own = [error for error in found.errors if front(error.mesh) == mesh]
+        yield f"transmission-{mesh}", draw_transmission_error(own)
     if found.durations:
         yield "load-duration", draw_load_duration(found.durations)
     if found.cycles:
@@ -65,7 +67,7 @@ def _draw_seen(found: Survey, seen: Seen) -> Iterator[tuple[str, Figure]]:
         yield f"orders-{name}", draw_spectrum(seen.orders, seen.order_lines)
     end = float(seen.waterfall.frequency[-1])
     fastest = max((float(course.max()) for course in seen.courses.values()), default=end)
-    highest = min(end, REACH * fastest)
+    highest = min(end, max(REACH * fastest, BINS * seen.waterfall.resolution))
     yield f"spectrogram-{name}", draw_spectrogram(seen.waterfall, seen.courses, highest)
     yield f"waterfall-{name}", draw_waterfall(seen.waterfall, seen.courses, highest)
     yield f"envelope-{name}", draw_envelope(seen.envelope, seen.envelope_lines)

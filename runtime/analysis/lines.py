@@ -12,6 +12,7 @@ from ..spectra import explain_line, nearest_mode, strongest_lines
 from ..statistics import mesh_frequencies, shaft_speeds
 from .orders import TURN
 from .spectrum import Spectrum
+from .waterfall import STANDING
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,8 +23,6 @@ WITHIN = 0.6
 """How far a peak may be from what it is named after [bins]; a peak is up to half a bin from its line."""
 DUST = 1e-4
 """Share of the strongest line below which peaks are left out."""
-STANDING = 1e-3
-"""Frequency below which a shaft stands [Hz]."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +86,8 @@ def find_clues(dataset: xr.Dataset, modes: Sequence[Mode] = ()) -> Clues:
         From ``find_modes`` and ``describe_modes``; rigid-body modes are left out.
     """
     start = float(dataset["time"].values[0])
-    meshes = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
+    passing = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
+    meshes = {stage: value for stage, value in passing.items() if value > STANDING}
     speeds = shaft_speeds(dataset, start) if "speed" in dataset else {}
     turning = {name: abs(speed) / TURN for name, speed in speeds.items() if abs(speed) / TURN > STANDING}
     carriers = {name: value for name, value in turning.items() if name.endswith(".carrier")}

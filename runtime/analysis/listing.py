@@ -98,7 +98,7 @@ def _forces(found: Survey) -> Table:
     """List mean, extremes and factors of the mesh forces."""
     shares = {mesh: float(share.mean[k]) for share in found.shares for k, mesh in enumerate(share.meshes)}
     rows: Rows = [
-        (mesh, *(one[key] / KILO for key in ("mean", "min", "max", "rms")), one["load_factor"], shares.get(mesh))
+        (mesh, *(one[key] / KILO + 0.0 for key in ("mean", "min", "max", "rms")), one["load_factor"], shares.get(mesh))
         for mesh, one in found.forces.items()
     ]
     columns = ("mesh", "mean kN", "min kN", "max kN", "rms kN", "max/mean", "share")

@@ -10,7 +10,7 @@ import numpy as np
 from ..plots import BLUE, GREY, ORANGE, VERMILLION, finish_axes, make_canvas
 from ..statistics import mesh_frequencies, stage_of
 from .bearings import BearingLoad
-from .drawing import HEIGHT, WIDTH, label_axes, open_axes, scale_of, style_of, thin
+from .drawing import HEIGHT, WIDTH, columns_for, label_axes, open_axes, scale_of, style_of, thin
 from .duration import LoadDuration
 from .sharing import LoadShare, list_groups
 from .trace import FloatArray, list_items, pick, read_trace
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 CYCLES = 6.0
 """Tooth meshes that a close look shows."""
+CLOSE = 0.04
+"""Part of a span that a close look at load shares shows."""
 NAMES = 12
 """Curves in one figure at most."""
 
@@ -45,10 +47,11 @@ def draw_forces(dataset: xr.Dataset, group: str) -> Figure:
     last = f"The last {1e3 * (time[-1] - time[close][0]):.3g} ms"
     label_axes(above, f"Normal mesh forces of {group}", "time [s]", f"force [{unit}]")
     label_axes(below, last, "time [s]", f"force [{unit}]")
+    columns = columns_for(len(traces))
     for number, one in enumerate(traces):
         colour, dash = style_of(number)
         label = one.name.partition(":")[2]
-        above.plot(*thin(time, one.values / size), dash, color=colour, lw=0.7, label=label)
+        above.plot(*thin(time, one.values / size, columns), dash, color=colour, lw=0.7, label=label)
         below.plot(*thin(time[close], one.values[close] / size), dash, color=colour, lw=1.1, label=label)
     for axes in (above, below):
         axes.margins(x=0.0)
@@ -76,17 +79,27 @@ def draw_shares(share: LoadShare, turns: FloatArray | None = None) -> Figure:
     """
     label = "time [s]" if turns is None else "turns of the carrier [1]"
     title = f"Load shares of {share.group}: mesh load factor {share.mesh_load_factor:.3f}"
-    figure, axes = open_axes(title, label, "share of an equal load [1]")
+    figure = make_canvas(WIDTH, 1.5 * HEIGHT)
+    above, below = figure.subplots(2, 1)
     x = share.time if turns is None else turns
+    close = slice(-max(2, round(CLOSE * x.size)), None)
+    label_axes(above, title, label, "share of an equal load [1]")
+    label_axes(below, "The last of it", label, "share of an equal load [1]")
     for number, mesh in enumerate(share.meshes[:NAMES]):
         colour, dash = style_of(number)
         curve = share.share[:, number]
         known = np.isfinite(curve)
         text = f"{mesh}: mean {share.mean[number]:.3f}"
-        axes.plot(*thin(x[known], curve[known]), dash, color=colour, lw=0.9, label=text)
-    axes.axhline(1.0, color="black", lw=0.8, ls=":", label="equal share")
-    axes.margins(x=0.0)
-    finish_axes(axes)
+        above.plot(
+            *thin(x[known], curve[known], columns_for(len(share.meshes))), dash, color=colour, lw=0.7, label=text
+        )
+        below.plot(
+            *thin(x[close], curve[close], columns_for(len(share.meshes))), dash, color=colour, lw=1.1, label=mesh
+        )
+    for axes in (above, below):
+        axes.axhline(1.0, color="black", lw=0.8, ls=":", label="equal share")
+        axes.margins(x=0.0)
+        finish_axes(axes)
     return figure
 
 
@@ -104,7 +117,9 @@ def draw_transmission_error(errors: Sequence[TransmissionError]) -> Figure:
     for number, error in enumerate(shown):
         colour, dash = style_of(number)
         label = f"{error.mesh}, by {error.definition}\npeak to peak {error.peak_to_peak / size:.3g} {unit}"
-        above.plot(*thin(error.time, error.value / size), dash, color=colour, lw=0.8, label=label)
+        above.plot(
+            *thin(error.time, error.value / size, columns_for(len(shown))), dash, color=colour, lw=0.8, label=label
+        )
         places = np.arange(1, len(error.harmonics) + 1) + (number - 0.5 * (len(shown) - 1)) * width
         heights = np.nan_to_num(np.array(error.harmonics)) / size
         below.bar(places, heights, width, color=colour, label=f"{error.mesh}, by {error.definition}")
@@ -134,7 +149,7 @@ def draw_load_duration(durations: Sequence[LoadDuration]) -> Figure:
         label = one.name.partition(":")[2]
         # A staircase: all that counts in a bin is above its lower edge.
         axes.step(one.exceeded, one.edges[:-1] / size, dash, where="post", color=colour, lw=1.2, label=label)
-    axes.set_xlim(left=0.0)
+    axes.set_xscale("log")
     finish_axes(axes)
     return figure
 
@@ -144,7 +159,7 @@ def draw_bearings(loads: Sequence[BearingLoad]) -> Figure:
     size, unit = scale_of("N", max((load.largest for load in loads), default=0.0))
     figure = make_canvas(WIDTH, max(HEIGHT, 1.6 + 0.36 * len(loads)))
     axes = figure.add_subplot()
-    label_axes(axes, "Forces of bearings and pins", f"magnitude of the force [{unit}]", "bearing or pin [name]")
+    label_axes(axes, "Forces of bearings and pins", f"magnitude of the force [{unit}]", "bearing or pin")
     places = np.arange(len(loads))[::-1]
     for shift, colour, word, values in (
         (0.27, BLUE, "root mean square", [load.rms for load in loads]),

@@ -18,6 +18,8 @@ NEEDED = (
     "twist", "acceleration_x",
 )  # fmt: skip
 """Quantities whose samples must be numbers throughout."""
+STILL = 6e-3
+"""Speed below which nothing turns [rad/s]."""
 
 
 def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None = None) -> xr.Dataset:
@@ -85,4 +87,4 @@ def speed_change(part: xr.Dataset) -> float:
     fifths = np.array([block.mean(axis=0) for block in np.array_split(speed, 5)])
     fastest = int(np.argmax(fifths.max(axis=0)))
     top = float(fifths[:, fastest].max())
-    return float(np.ptp(fifths[:, fastest])) / top if top > 0.0 else 0.0
+    return float(np.ptp(fifths[:, fastest])) / top if top > STILL else 0.0

@@ -53,11 +53,13 @@ def _draw_curve(axes: Axes, spectrum: Spectrum, lines: Sequence[NamedLine], high
     end = float(spectrum.axis[-1]) if highest is None else highest
     shown = (spectrum.axis > 0.0) & (spectrum.axis <= end)
     density = spectrum.kind == "density"
-    top = float(spectrum.value[shown].max()) or 1.0
+    top = float(spectrum.value[shown].max())
     size, unit = (1.0, spectrum.unit) if density else scale_of(spectrum.unit, top)
-    axes.semilogy(*thin(spectrum.axis[shown], spectrum.value[shown] / size), color=BLUE, lw=0.9, label=_made(spectrum))
-    decades = 2 * DECADES if density else DECADES
-    axes.set_ylim(top / size * 10.0**-decades, top / size * 4.0)
+    axes.plot(*thin(spectrum.axis[shown], spectrum.value[shown] / size), color=BLUE, lw=0.9, label=_made(spectrum))
+    if top > 0.0:
+        decades = 2 * DECADES if density else DECADES
+        axes.set_yscale("log")
+        axes.set_ylim(top / size * 10.0**-decades, top / size * 4.0)
     axes.set_xlim(0.0, end)
     axes.set_ylabel(f"{'density' if density else 'amplitude'} [{unit.replace('^2', '²')}]")
     number_lines(axes, [line for line in lines if line.place <= end], size, spectrum.axis_unit)

@@ -6,20 +6,21 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..statistics import group_of, mesh_frequencies, mesh_statistics, stage_of
+from ..statistics import group_of, mesh_statistics, stage_of
 from .bearings import BearingLoad, list_bearing_loads
 from .cycles import Cycles, count_cycles
 from .duration import LoadDuration, find_load_duration
 from .envelope import Envelope, Sidebands, choose_band, find_envelope, find_sidebands
-from .lines import Clues, NamedLine, find_clues, name_lines, turns_per_second
+from .lines import DUST, Clues, NamedLine, find_clues, name_lines, turns_per_second
 from .orbits import Orbit, find_orbit, list_members
 from .orders import find_order_spectrum, shaft_angle
 from .sharing import LoadShare, find_load_share, list_groups
 from .span import cut, speed_change
 from .spectrum import Spectrum, find_spectrum
-from .trace import list_items, pick, select_output
+from .trace import front, list_items, phase_of, pick, select_output
 from .transmission import TransmissionError, find_transmission_error, parameter
 from .waterfall import Waterfall, find_waterfall, mesh_courses
 
@@ -134,7 +135,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     seen = tuple(_see(part, wide, output, clues, asked, notes) for output in outputs)
     groups, meshes = list_groups(part), list_items(part, "mesh_force")
     shares = [_share(part, group, notes) for group, members in groups.items() if len(members) > 1]
-    leads = [members[0] for members in groups.values()]
+    leads = _leads(part)
     return Survey(
         part, float(time[0]), float(time[-1]), clues, seen,
         mesh_statistics(part, float(time[0])) if meshes else {},
@@ -147,8 +148,23 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
 
 def _default_outputs(part: xr.Dataset) -> list[str]:
     """Return what is looked at when nobody says: the first mesh of each group, else the rotors' speeds."""
-    leads = [f"mesh_force:{members[0]}" for members in list_groups(part).values()]
+    leads = [f"mesh_force:{mesh}" for mesh in _leads(part)]
     return leads or [f"speed:{rotor}" for rotor in list_items(part, "speed")[:4]]
+
+
+def _leads(part: xr.Dataset) -> list[str]:
+    """Return the first mesh of each group; of two flanks, the one that carries more."""
+    found: dict[str, str] = {}
+    for mesh in list_items(part, "mesh_force"):
+        lead = found.setdefault(group_of(front(mesh)), mesh)
+        if mesh != lead and front(mesh) == front(lead) and _carried(part, mesh) > _carried(part, lead):
+            found[group_of(front(mesh))] = mesh
+    return list(found.values())
+
+
+def _carried(part: xr.Dataset, mesh: str) -> float:
+    """Return the mean magnitude of a mesh's force [N]."""
+    return float(np.abs(pick(part, "mesh_force", mesh).values).mean())
 
 
 def _see(
@@ -163,7 +179,7 @@ def _see(
     mesh = clues.meshes.get(stage_of(output.partition(":")[2]), max(clues.meshes.values(), default=0.0))
     envelope = find_envelope(signals[0], *(asked.band or choose_band(spectrum, mesh)), window=asked.window)
     found = name_lines(envelope.spectrum, clues, asked.lines, envelope.high_hz - envelope.low_hz)
-    sidebands = tuple(_sidebands(spectrum, output, clues))
+    sidebands = tuple(_sidebands(spectrum, output, clues)) if speed_change(part) <= SMEARED else ()
     orders, order_lines = _orders(part, output, clues, asked, notes)
     courses = mesh_courses(wide, waterfall)
     return Seen(output, spectrum, lines, waterfall, courses, envelope, found, sidebands, orders, order_lines)
@@ -185,7 +201,8 @@ def _sidebands(spectrum: Spectrum, output: str, clues: Clues) -> list[Sidebands]
         for name, turns in turning.items()
         if mesh > 0.0 and stage_of(name) == stage and 3.0 * turns < mesh
     ]
-    return [one for one in found if one is not None]
+    loud = DUST * float(spectrum.value[1:].max())
+    return [one for one in found if one is not None and one.amplitude > loud]
 
 
 def _orders(
@@ -231,18 +248,17 @@ def _errors(part: xr.Dataset, leads: Sequence[str]) -> list[TransmissionError]:
     """Return the transmission errors of some meshes, by angles too where the result holds the radii."""
     known = [mesh for mesh in leads if mesh in list_items(part, "mesh_deflection")]
     found = [find_transmission_error(part, mesh) for mesh in known]
-    held = [mesh for mesh in known if parameter(part, f"{group_of(mesh)}.base_radius_1") is not None]
+    held = [front(mesh) for mesh in known if parameter(part, f"{group_of(front(mesh))}.base_radius_1") is not None]
     return found + [find_transmission_error(part, mesh, "angles") for mesh in held]
 
 
 def _durations(part: xr.Dataset, leads: Sequence[str]) -> list[LoadDuration]:
     """Return the load-duration distributions of meshes that turn."""
-    frequencies = mesh_frequencies(part, float(part["time"].values[0])) if "mesh_phase" in part else {}
-    counted = list_items(part, "mesh_phase")
+    phases = {mesh: phase_of(part, mesh) for mesh in leads}
     return [
-        find_load_duration(pick(part, "mesh_force", mesh), pick(part, "mesh_phase", mesh))
-        for mesh in leads
-        if mesh in counted and frequencies.get(stage_of(mesh), 0.0) > 0.0
+        find_load_duration(pick(part, "mesh_force", mesh), phase)
+        for mesh, phase in phases.items()
+        if phase is not None and np.ptp(phase.values) >= 1.0
     ]
 
 

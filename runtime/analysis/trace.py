@@ -110,6 +110,17 @@ def select_output(dataset: xr.Dataset, wanted: str) -> tuple[xr.DataArray, ...]:
     return tuple(pick(dataset, name, item) for name in names)
 
 
+def front(mesh: str) -> str:
+    """Return the mesh that a flank belongs to: ``psh.mesh`` of the flank behind, ``psh.mesh.back``."""
+    return mesh.removesuffix(".back")
+
+
+def phase_of(dataset: xr.Dataset, mesh: str) -> xr.DataArray | None:
+    """Return the phase of a mesh [cycles], which its two flanks share; None where it does not turn by nature."""
+    known = front(mesh) in list_items(dataset, "mesh_phase")
+    return pick(dataset, "mesh_phase", front(mesh)) if known else None
+
+
 def list_items(dataset: xr.Dataset, quantity: str) -> list[str]:
     """List the items of a quantity over time; none where the result lacks it."""
     return [str(name) for name in dataset[quantity][dataset[quantity].dims[-1]].values] if quantity in dataset else []

@@ -10,7 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 
 from ..statistics import group_of, stage_of
 from .orders import TURN
-from .trace import FloatArray, list_items, pick, read_trace
+from .trace import FloatArray, list_items, phase_of, pick, read_trace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,11 +84,11 @@ def find_transmission_error(dataset: xr.Dataset, mesh: str, definition: str = "d
         raise LtcgearError(f"{mesh}: no such mesh; there are {', '.join(meshes) or 'none'}")
     deflection = read_trace(pick(dataset, "mesh_deflection", mesh))
     value = deflection.values if definition == "deflection" else _by_angles(dataset, mesh)
-    counted = mesh in list_items(dataset, "mesh_phase")
-    phase = pick(dataset, "mesh_phase", mesh).values if counted else np.zeros(value.size)
+    phase = phase_of(dataset, mesh)
+    harmonics = harmonics_of(value, np.zeros(value.size) if phase is None else phase.values)
     return TransmissionError(
         mesh, definition, deflection.time, value, float(value.mean()), float(np.ptp(value)), float(value.std()),
-        harmonics_of(value, phase),
+        harmonics,
     )  # fmt: skip
 
 

@@ -20,6 +20,8 @@ SEGMENTS = 16
 OVERLAP = 0.75
 """Share of a segment that the next one has too; a Hann window then weighs all samples alike."""
 RPM = 30.0 / np.pi
+STANDING = 1e-3
+"""Turns or tooth meshes a second below which shafts and gears stand [Hz]."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ def mesh_courses(dataset: xr.Dataset, waterfall: Waterfall) -> dict[str, FloatAr
         late, early = (np.clip(waterfall.time + side * half, time[0], time[-1]) for side in (1.0, -1.0))
         passed = np.interp(late, time, phase) - np.interp(early, time, phase)
         found.setdefault(stage_of(mesh), np.abs(passed / (late - early)))
-    return {stage: course for stage, course in found.items() if course.max() > 0.0}
+    return {stage: course for stage, course in found.items() if course.max() > STANDING}
 
 
 def main_lobe(waterfall: Waterfall) -> float:

@@ -53,8 +53,8 @@ Format = Annotated[str, typer.Option("--format", help="Format of the figures: pn
 
 @app.command()
 def analyse(
-    file: ResultPath, start: From = None, stop: To = None, output: Outputs = None, shaft: Shaft = None, band: Band = None,
-    window: Window = "hann", resolution: Resolution = None, lines: Lines = 12, modes: Named = True,
+    file: ResultPath, start: From = None, stop: To = None, output: Outputs = None, shaft: Shaft = None,
+    band: Band = None, window: Window = "hann", resolution: Resolution = None, lines: Lines = 12, modes: Named = True,
     folder: Folder = None, form: Format = "png", as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell what a result shows: named lines, load shares, factors, transmission error, cycles, bearings, orbits."""

@@ -119,7 +119,7 @@ def test_outputs_are_found_by_name():
     assert len(select_output(dataset, "acceleration:lsp.sun")) == 2
     with pytest.raises(LtcgearError, match=r"mesh_forces:psh.mesh: no such quantity; .*did you mean \"mesh_force\""):
         select_output(dataset, "mesh_forces:psh.mesh")
-    with pytest.raises(LtcgearError, match=r"mesh_force:psh.mech: mesh_force has no such item; did you mean \"psh.mesh\""):
+    with pytest.raises(LtcgearError, match=r"psh.mech: mesh_force has no such item; did you mean \"psh.mesh\""):
         select_output(dataset, "mesh_force:psh.mech")
 
 
