@@ -7,7 +7,7 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 
 from .. import present
-from ..options import AsJson
+from ..options import AsJson, ResultPath
 from ..results import check_target
 from ..results import load as load_result
 from .app import app
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from ..report.page import Background
     from ..results import Result
 
-ResultName = Annotated[Path, typer.Argument(metavar="FILE.nc", help="Result that `ltcgear simulate -o` wrote.")]
 PageFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Page to write, .html.", show_default="beside the result")
 ]
@@ -32,19 +31,19 @@ Modes = Annotated[bool, typer.Option("--modes/--no-modes", help="Show mode shape
 
 @app.command()
 def report(
-    result: ResultName, output: PageFile = None, at: At = None, modes: Modes = True, as_json: AsJson = False
+    file: ResultPath, output: PageFile = None, at: At = None, modes: Modes = True, as_json: AsJson = False
 ) -> None:
     """Write a result as one page of HTML: stages in motion, figures, tables, the scene. It needs no network."""
     from ..report.page import check_templates, write_report
 
-    target = result.with_suffix(".html") if output is None else output
+    target = file.with_suffix(".html") if output is None else output
     if target.suffix not in (".html", ".htm"):
         raise LtcgearError(f"{target}: a report is a page of HTML; name it {target.with_suffix('.html')}")
     check_target(target)
     check_templates()
-    loaded = load_result(result)
-    write_report(loaded, target, find_background(loaded, modes), at)
-    data = {"result": str(result), "file": str(target), "bytes": target.stat().st_size}
+    result = load_result(file)
+    write_report(result, target, find_background(result, modes), at)
+    data = {"result": str(file), "file": str(target), "bytes": target.stat().st_size}
     present.show(as_json, data, lambda shown: print(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))
 
 
