@@ -235,6 +235,7 @@ def test_parted_teeth_are_drawn_open(visit, tmp_path):
         k = int(np.argmin(abs(mesh.force["time"].values - time)))
         apart = bool(mesh.contact.values[k] == 0)
         assert page.locator('g.contact[data-mesh="pair.mesh"] .push').is_visible() == (not apart and force != 0)
+        assert page.locator('g.contact[data-mesh="pair.mesh"] .gap').is_visible() == (apart or force == 0)
         seen.add(apart)
     assert seen == {True, False}
 

@@ -148,7 +148,7 @@ def test_html_in_names_is_shown_as_text(run, psh, tmp_path):
         opened.setncattr("changes", json.dumps({evil: evil}))
         opened.setncattr("warnings", json.dumps([evil]))
         opened.setncattr("status", f"stopped {evil}")
-        opened.variables["mesh"][0] = "psh.mesh"
+        opened.variables["rotor"][0] = evil
         scene = json.loads(opened.getncattr("scene_json"))
         opened.setncattr("scene_json", json.dumps(scene | {"effects": scene["effects"] | {evil: evil}}))
     code, _, err = run("report", file)
