@@ -41,9 +41,9 @@ class Jumps:
         self.levels = len(manifest.levels)
         self.rhs, self.outputs = (Kernel(course.library.functions[name]) for name in ("rhs", "outputs"))
         self.phases = Kernel(course.library.functions["phases"])
-        self.phase = _gradient(course.library, "phases", (0, 2))
-        self.border = _gradient(course.library, "borders", (0,))
-        self.output_gradient = _gradient(course.library, "outputs", (0,))
+        self.phase = gradient_of(course.library, "phases", (0, 2))
+        self.border = gradient_of(course.library, "borders", (0,))
+        self.output_gradient = gradient_of(course.library, "outputs", (0,))
 
     def begin(self, backward: Backward, piece: Piece, time: float) -> float:
         """Let adjoint and gradient begin with the output at a time after a piece's start; return its rate [1/s]."""
@@ -65,7 +65,7 @@ class Jumps:
         """
         x, s, p = before.x[-1], before.s_at(before.duration), before.p
         for (h_x, h_s, h_p), _, _ in self._steps(before, after, (s, p)):
-            approach = self._approach(before, h_x @ self.rhs(x, s, p)[0] + h_s @ self._drift(before))
+            approach = self._approach(before, float(h_x @ self.rhs(x, s, p)[0] + h_s @ self._drift(before)))
             backward.adjoint[:] -= rate / approach * h_x
             backward.gradient[:] -= rate / approach * h_p
             return
@@ -90,7 +90,7 @@ class Jumps:
             lost, shifted = lost + shifted, 0.0
             if lost == 0.0:
                 continue
-            approach = self._approach(before, h_x @ f + h_s @ self._drift(before))
+            approach = self._approach(before, float(h_x @ f + h_s @ self._drift(before)))
             backward.adjoint[:] -= lost / approach * h_x
             backward.gradient[:] -= lost / approach * h_p
 
@@ -105,7 +105,7 @@ class Jumps:
                 f"at t = {piece.start + piece.duration:.6g} s the motion only touches a border, so that nothing "
                 "says how its instant moves; change the load or the speed a little, or end before it"
             )
-        return float(rate)
+        return rate
 
     def one_sided(self, first: Piece) -> list[str]:
         """Name the parameters that move a mesh phase off the border where it starts.
@@ -173,7 +173,7 @@ class Jumps:
         return p
 
 
-def _gradient(library: Library, name: str, results: tuple[int, ...]) -> Kernel:
+def gradient_of(library: Library, name: str, results: tuple[int, ...]) -> Kernel:
     """Return the gradients of a weighted sum of a function's results with respect to x, s and p."""
     graph = library.graphs[name]
     point = [ca.SX.sym(graph.name_in(i), graph.sparsity_in(i)) for i in range(graph.n_in())]
