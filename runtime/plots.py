@@ -80,16 +80,22 @@ def paper_figures(dataset: xr.Dataset, directory: str | Path, fmt: str = "png") 
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for force in _FORCES:
-        figure = _canvas(9.0, 4.2)
-        if _draw_forces(figure.add_subplot(), dataset, force):
-            paths.append(_save(figure, folder / f"figure{force.number:02d}.{fmt}"))
+    drawn = draw_paper_figures(dataset)
+    return [save_figure(figure, folder / f"figure{number:02d}.{fmt}") for number, figure in drawn.items()]
+
+
+def draw_paper_figures(dataset: xr.Dataset) -> dict[int, Figure]:
+    """Draw the counterparts of the paper's Figures 9 to 13, by number; one that the result cannot give is left out."""
+    drawn = {}
     for spectrum in _SPECTRA:
-        figure = _canvas(9.0, 4.6)
+        figure = make_canvas(9.0, 4.6)
         if _draw_spectrum(figure.add_subplot(), dataset, spectrum):
-            paths.append(_save(figure, folder / f"figure{spectrum.number:02d}.{fmt}"))
-    return sorted(paths)
+            drawn[spectrum.number] = figure
+    for force in _FORCES:
+        figure = make_canvas(9.0, 4.2)
+        if _draw_forces(figure.add_subplot(), dataset, force):
+            drawn[force.number] = figure
+    return drawn
 
 
 def overview_figure(dataset: xr.Dataset, path: str | Path) -> Path:
@@ -107,7 +113,7 @@ def overview_figure(dataset: xr.Dataset, path: str | Path) -> Path:
     Path
         The file written.
     """
-    figure = _canvas(15.0, 7.5)
+    figure = make_canvas(15.0, 7.5)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1.0))
     for row, force in enumerate(_FORCES):
         axes = figure.add_subplot(grid[row, 0])
@@ -116,10 +122,10 @@ def overview_figure(dataset: xr.Dataset, path: str | Path) -> Path:
     axes = figure.add_subplot(grid[:, 1])
     if not _draw_spectrum(axes, dataset, _SPECTRA[1]):
         axes.set_axis_off()
-    return _save(figure, Path(path))
+    return save_figure(figure, Path(path))
 
 
-def _canvas(width: float, height: float) -> Figure:
+def make_canvas(width: float, height: float) -> Figure:
     """Empty figure [in] on an Agg canvas, outside pyplot's global state."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -129,9 +135,13 @@ def _canvas(width: float, height: float) -> Figure:
     return figure
 
 
-def _save(figure: Figure, path: Path) -> Path:
-    """Write a figure."""
-    figure.savefig(path, dpi=150)
+def save_figure(figure: Figure, path: Path) -> Path:
+    """Write a figure; the suffix is the format. Text in SVG stays text, and equal figures give equal files."""
+    from matplotlib import rc_context
+
+    meta = {"Date": None} if path.suffix == ".svg" else {"CreationDate": None} if path.suffix == ".pdf" else {}
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "ltcgear"}):
+        figure.savefig(path, dpi=150, metadata=meta)
     return path
 
 
@@ -156,11 +166,11 @@ def _draw_forces(axes: Axes, dataset: xr.Dataset, plan: _ForceFigure) -> bool:
     axes.set_xlabel(f"time after {steady['time'].values[0]:.3f} s [ms]")
     axes.set_ylabel(f"{component} force [$10^5$ N]")
     axes.margins(x=0.0)
-    _finish(axes)
+    finish_axes(axes)
     return True
 
 
-def _finish(axes: Axes) -> None:
+def finish_axes(axes: Axes) -> None:
     """Give axes a light grid and a legend beside them, where it hides no curve."""
     axes.grid(alpha=0.25, lw=0.5)
     axes.spines[["top", "right"]].set_visible(False)
@@ -206,7 +216,7 @@ def _draw_spectrum(axes: Axes, dataset: xr.Dataset, plan: _SpectrumFigure) -> bo
     axes.set_title(f"{plan.title} (cf. Fig. {plan.number})", loc="left", fontsize=11)
     axes.set_xlabel("frequency [Hz]")
     axes.set_ylabel(f"amplitude of {signal.partition(' of ')[0]} [{unit.replace('^2', '²')}]")
-    _finish(axes)
+    finish_axes(axes)
     return True
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from ltcgear.generated.errors import LtcgearError
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
@@ -14,6 +15,8 @@ FloatArray = NDArray[np.float64]
 HARMONICS = 25
 CARRIER_ORDERS = 6
 SIDE_ORDERS = 3
+#: Windows, and to how many bins on either side of a sine each spreads it (half of its main lobe).
+WINDOWS = {"hann": 2, "flattop": 5, "blackmanharris": 4, "boxcar": 1}
 
 
 @dataclass(frozen=True)
@@ -32,12 +35,36 @@ class Line:
     amplitude: float
 
 
-def amplitude_spectrum(signal: ArrayLike, rate: float) -> tuple[FloatArray, FloatArray]:
-    """Single-sided amplitude spectrum under a Hann window, its gain corrected.
+def window_samples(window: str, count: int) -> FloatArray:
+    """Return the samples of a window of `WINDOWS`, shape (count,) [1].
+
+    They are periodic (not symmetric like numpy.hanning's), which keeps bins orthogonal.
+
+    Raises
+    ------
+    LtcgearError
+        If there is no such window.
+    """
+    from scipy.signal import get_window
+
+    if window not in WINDOWS:
+        raise LtcgearError(f"window {window}: must be one of {', '.join(WINDOWS)}")
+    return np.asarray(get_window(window, count, fftbins=True), dtype=np.float64)
+
+
+def noise_bandwidth(window: str, count: int) -> float:
+    """Return the equivalent noise bandwidth of a window [bins] (Harris 1978, Proc. IEEE 66:51, eq. 11)."""
+    weights = window_samples(window, count)
+    return float(count * (weights**2).sum() / weights.sum() ** 2)
+
+
+def amplitude_spectrum(signal: ArrayLike, rate: float, window: str = "hann") -> tuple[FloatArray, FloatArray]:
+    """Single-sided amplitude spectrum under a window, its gain corrected.
 
     A sine of amplitude A whose frequency falls on a bin reads A there. Bins are
     ``rate / n`` apart (2 s of signal: 0.5 Hz) and two sines are told apart from
-    about two bins on. Half-way between two bins a sine reads 15 % low. The mean
+    about two bins on. Half-way between two bins a sine reads 15 % low under a Hann
+    window, and right under a flat top, which tells sines apart from five bins on. The mean
     is taken off before the window, so it cannot leak, and bin 0 is its magnitude.
 
     Parameters
@@ -46,6 +73,8 @@ def amplitude_spectrum(signal: ArrayLike, rate: float) -> tuple[FloatArray, Floa
         Samples, shape (n,), n at least 4 [any unit].
     rate
         Sampling rate [Hz].
+    window
+        One of `WINDOWS`.
 
     Returns
     -------
@@ -56,16 +85,17 @@ def amplitude_spectrum(signal: ArrayLike, rate: float) -> tuple[FloatArray, Floa
     ------
     ValueError
         If the signal is not one-dimensional or has fewer than four samples.
+    LtcgearError
+        If there is no such window.
     """
     samples = np.asarray(signal, dtype=np.float64)
     if samples.ndim != 1 or samples.size < 4:
         raise ValueError(f"a spectrum needs a row of at least 4 samples, got shape {samples.shape}")
     count = samples.size
     mean = samples.mean()
-    # The periodic window (not numpy.hanning's symmetric one) keeps bins orthogonal.
-    window = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
-    transform = np.fft.rfft((samples - mean) * window)
-    amplitude: FloatArray = np.abs(transform) * (2.0 / window.sum())
+    weights = window_samples(window, count)
+    transform = np.fft.rfft((samples - mean) * weights)
+    amplitude: FloatArray = np.abs(transform) * (2.0 / weights.sum())
     if count % 2 == 0:
         amplitude[-1] *= 0.5  # the Nyquist bin has no mirror image to be added
     amplitude[0] = abs(mean)
@@ -73,7 +103,7 @@ def amplitude_spectrum(signal: ArrayLike, rate: float) -> tuple[FloatArray, Floa
     return frequency, amplitude
 
 
-def planar_spectrum(x: ArrayLike, y: ArrayLike, rate: float) -> tuple[FloatArray, FloatArray]:
+def planar_spectrum(x: ArrayLike, y: ArrayLike, rate: float, window: str = "hann") -> tuple[FloatArray, FloatArray]:
     """Root-sum-square of the amplitude spectra of two axes.
 
     Parameters
@@ -82,14 +112,16 @@ def planar_spectrum(x: ArrayLike, y: ArrayLike, rate: float) -> tuple[FloatArray
         Samples along two perpendicular axes, shape (n,) each [same unit].
     rate
         Sampling rate [Hz].
+    window
+        One of `WINDOWS`.
 
     Returns
     -------
     frequency, amplitude
         As from `amplitude_spectrum`.
     """
-    frequency, along_x = amplitude_spectrum(x, rate)
-    along_y = amplitude_spectrum(y, rate)[1]
+    frequency, along_x = amplitude_spectrum(x, rate, window)
+    along_y = amplitude_spectrum(y, rate, window)[1]
     return frequency, np.hypot(along_x, along_y)
 
 
@@ -132,18 +164,21 @@ def strongest_lines(
     ]
 
 
-def name_line(
+def explain_line(
     frequency_hz: float,
     mesh_frequencies: Mapping[str, float],
     tolerance_hz: float,
     rotations: Mapping[str, float] | None = None,
-) -> str:
-    """Name a line by the mesh frequencies and rotations that explain it.
+    shafts: Mapping[str, float] | None = None,
+    modes: Mapping[str, tuple[float, float]] | None = None,
+) -> tuple[str, str]:
+    """Explain a line by the mesh frequencies, rotations and modes that are there.
 
     Harmonics come first (``"3 hsp"``), lowest order preferred; then sidebands of
     a mesh's harmonic at the distance of a rotation (``"hsp - 1 hsp.carrier"``) or of
     a slower mesh's (``"hsp + 1 lsp"``, ``"2 psh - 1 hsp"``), lowest sum of orders
-    preferred.
+    preferred; then turns of shafts and sidebands at their distance; modes last, since
+    what is excited at a harmonic is heard there, not at its own frequency.
 
     Parameters
     ----------
@@ -156,29 +191,68 @@ def name_line(
     rotations
         Frequency of turning members [Hz], by name: a planetary carrier's turns modulate
         what a sensor in the housing sees.
+    shafts
+        Frequency of further turning members [Hz]: eccentric gears show once a turn.
+    modes
+        Eigenfrequency and half of the half-power bandwidth [Hz], by name; a mode that is
+        broader than the tolerance matches as far as its bandwidth goes.
 
     Returns
     -------
-    str
-        The name, or "" for a line that no combination explains.
+    kind, name
+        ``harmonic``, ``sideband``, ``shaft`` or ``mode``, and the name; "" twice for a line that nothing explains.
     """
     turning = {name: value for name, value in mesh_frequencies.items() if value > 0.0}
-    shafts = {name: value for name, value in (rotations or {}).items() if value > 0.0}
-    for candidates in (_harmonics(turning), [*_sidebands(turning, shafts), *_sidebands(turning, turning)]):
+    carriers = {name: value for name, value in (rotations or {}).items() if value > 0.0}
+    others = {name: value for name, value in (shafts or {}).items() if value > 0.0}
+    tiers = (
+        ("harmonic", list(_harmonics(turning))),
+        ("sideband", [*_sidebands(turning, carriers), *_sidebands(turning, turning)]),
+        ("shaft", [*_turns(others), *_sidebands(turning, others)]),
+    )
+    for kind, candidates in tiers:
         matches = [
             (order, abs(value - frequency_hz), name)
             for order, value, name in candidates
             if abs(value - frequency_hz) <= tolerance_hz
         ]
         if matches:
-            return min(matches)[2]
-    return ""
+            return kind, min(matches)[2]
+    mode = nearest_mode(frequency_hz, tolerance_hz, modes or {})
+    return ("mode", mode) if mode else ("", "")
+
+
+def name_line(
+    frequency_hz: float,
+    mesh_frequencies: Mapping[str, float],
+    tolerance_hz: float,
+    rotations: Mapping[str, float] | None = None,
+) -> str:
+    """Return the name by which `explain_line` knows a line, "" for one that nothing explains."""
+    return explain_line(frequency_hz, mesh_frequencies, tolerance_hz, rotations)[1]
+
+
+def nearest_mode(frequency_hz: float, tolerance_hz: float, modes: Mapping[str, tuple[float, float]]) -> str:
+    """Return the mode nearest to a line, within the tolerance or the mode's half bandwidth; "" for none."""
+    near = [
+        (abs(value - frequency_hz), name)
+        for name, (value, half) in modes.items()
+        if abs(value - frequency_hz) <= max(tolerance_hz, half)
+    ]
+    return min(near)[1] if near else ""
 
 
 def _harmonics(meshes: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
     """Yield order, frequency [Hz] and name of every harmonic considered."""
     for name, value in meshes.items():
         for order in range(1, HARMONICS + 1):
+            yield order, order * value, f"{order} {name}"
+
+
+def _turns(shafts: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+    """Yield order, frequency [Hz] and name of the turns of shafts and their low harmonics."""
+    for name, value in shafts.items():
+        for order in range(1, SIDE_ORDERS + 1):
             yield order, order * value, f"{order} {name}"
 
 

@@ -189,10 +189,10 @@ def mesh_frequencies(
     """
     part = window(dataset, start_s, stop_s)
     time = part["time"].values
-    phase = part["mesh_phase"].transpose("time", "mesh")
+    phase = part["mesh_phase"].transpose("time", ...)
     rates = np.abs(phase.values[-1] - phase.values[0]) / (time[-1] - time[0])
     stages: dict[str, list[float]] = {}
-    for mesh, rate in zip(phase["mesh"].values, rates, strict=True):
+    for mesh, rate in zip(phase[phase.dims[1]].values, rates, strict=True):
         stages.setdefault(stage_of(str(mesh)), []).append(float(rate))
     return {stage: float(np.mean(values)) for stage, values in stages.items()}
 

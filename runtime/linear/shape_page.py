@@ -69,7 +69,7 @@ def write_page(linear: Linear, modes: list[Mode], numbers: list[int], title: str
         File to write.
     """
     sheet = lay_out(linear.library, linear.p)
-    figures = "\n".join(_figure(sheet, k, modes[k - 1], exaggerate(linear, sheet, modes[k - 1])) for k in numbers)
+    figures = "\n".join(draw_mode(sheet, k, modes[k - 1], exaggerate(linear, sheet, modes[k - 1])) for k in numbers)
     legend = ", ".join(
         f'<b style="color:{COLOURS[part]}">{part}</b>' for part in dict.fromkeys(d.part for d in sheet.discs)
     )
@@ -84,8 +84,18 @@ def write_page(linear: Linear, modes: list[Mode], numbers: list[int], title: str
     return path
 
 
-def _figure(sheet: Sheet, number: int, mode: Mode, motions: dict[str, Motion]) -> str:
-    """Return one mode as a figure."""
+def draw_mode(sheet: Sheet, number: int, mode: Mode, motions: dict[str, Motion]) -> str:
+    """Return one mode as a figure of HTML, in the real part of its shape.
+
+    Parameters
+    ----------
+    sheet
+        Where members stand.
+    number
+        The mode's, from 1.
+    mode, motions
+        The mode, and how its members move (``exaggerate``).
+    """
     scale, edge = WIDTH / sheet.width, 0.1 * sheet.height
     low, high = -sheet.height * 0.61, sheet.height * 0.72
     box = " ".join(f"{scale * v:.1f}" for v in (-edge, low, sheet.width + 2 * edge, high - low))
@@ -97,7 +107,7 @@ def _figure(sheet: Sheet, number: int, mode: Mode, motions: dict[str, Motion]) -
     )
     told = escape(caption(number, mode))
     return (
-        f'<figure><svg viewBox="{box}" role="img" aria-label="{told}"><g class="rest">{rest}</g>{moved}{names}</svg>'
+        f'<figure class="mode"><svg viewBox="{box}" role="img" aria-label="{told}"><g class="rest">{rest}</g>{moved}{names}</svg>'
         f"<figcaption>{told}</figcaption></figure>"
     )
 
@@ -122,4 +132,5 @@ def _moved(disc: Disc, motion: Motion, scale: float) -> str:
     numbers = escape(json.dumps([*pairs, round(x, 1), round(y, 1)], separators=(",", ":")))
     still = f"translate({pairs[0][0]} {pairs[1][0]}) rotate({pairs[2][0]} {x:.1f} {y:.1f})"
     circle = _circle(disc, scale)
-    return f'<g data-m="{numbers}" stroke="{COLOURS[disc.part]}" transform="{still}">{circle}</g>'
+    colour = COLOURS[disc.part]
+    return f'<g class="part {disc.part}" data-m="{numbers}" stroke="{colour}" transform="{still}">{circle}</g>'

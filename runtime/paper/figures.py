@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILLION
+from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILLION, make_canvas
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +33,7 @@ def draw_response(responses: Mapping[str, "Response"], meshes: Mapping[str, floa
     meshes
         Mesh frequencies [Hz], whose harmonics are marked.
     """
-    figure = _canvas(9.0, 4.2)
+    figure = make_canvas(9.0, 4.2)
     axes = figure.add_subplot()
     for rig, response in responses.items():
         force = np.abs(response.of("mesh_force", "psh.mesh")) * MICRON / 1e3
@@ -59,7 +59,7 @@ def draw_transient(dataset: "xr.Dataset", step_s: float) -> "Figure":
     step_s
         Instant of the step [s].
     """
-    figure = _canvas(9.0, 4.2)
+    figure = make_canvas(9.0, 4.2)
     axes = figure.add_subplot()
     time = dataset["time"].values
     for mesh in MESHES:
@@ -74,7 +74,7 @@ def draw_transient(dataset: "xr.Dataset", step_s: float) -> "Figure":
 
 def draw_continuous(datasets: Mapping[str, "xr.Dataset"]) -> "Figure":
     """Draw mean and extremes of mesh forces in successive parts of long runs."""
-    figure = _canvas(9.0, 4.2)
+    figure = make_canvas(9.0, 4.2)
     panels = figure.subplots(1, len(MESHES))
     for axes, mesh in zip(panels, MESHES, strict=True):
         for rig, dataset in datasets.items():
@@ -104,7 +104,7 @@ def split_run(dataset: "xr.Dataset", mesh: str) -> tuple["NDArray[np.float64]", 
 
 def draw_floating(shares: Mapping[str, Sequence[float]]) -> "Figure":
     """Draw the planets' shares of the load with one pin out of place, by how the sun is held."""
-    figure = _canvas(9.0, 3.6)
+    figure = make_canvas(9.0, 3.6)
     axes = figure.add_subplot()
     width = 0.8 / len(shares)
     for k, ((name, values), colour) in enumerate(zip(shares.items(), (BLUE, ORANGE), strict=False)):
@@ -119,7 +119,7 @@ def draw_floating(shares: Mapping[str, Sequence[float]]) -> "Figure":
 
 def draw_fit(unknowns: Sequence[Mapping[str, Any]]) -> "Figure":
     """Draw assumed and fitted values between their bounds, with what the fit leaves uncertain."""
-    figure = _canvas(9.0, 0.9 + 0.32 * len(unknowns))
+    figure = make_canvas(9.0, 0.9 + 0.32 * len(unknowns))
     axes = figure.add_subplot()
     for k, item in enumerate(unknowns):
         at, assumed, low, high = (_part(item, key) for key in ("fitted", "assumed", "from", "to"))
@@ -140,16 +140,6 @@ def _part(item: Mapping[str, Any], key: str) -> float:
     if low <= 0:
         return float((value - low) / (high - low))
     return float(np.log(value / low) / np.log(high / low))
-
-
-def _canvas(width: float, height: float) -> "Figure":
-    """Return an empty figure [in]."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
 
 
 def _finish(axes: "Axes", x: str, y: str) -> None:

@@ -6,9 +6,9 @@ import pytest
 from ltcgear.runtime.plots import (
     _FORCES,
     _SPECTRA,
-    _canvas,
     _draw_forces,
     _draw_spectrum,
+    make_canvas,
     overview_figure,
     paper_figures,
 )
@@ -49,7 +49,7 @@ def test_overview(dataset, tmp_path):
 
 
 def test_forces_are_tangential_and_span_six_periods(dataset):
-    axes = _canvas(9, 4).add_subplot()
+    axes = make_canvas(9, 4).add_subplot()
     assert _draw_forces(axes, dataset, _FORCES[0])
     lines = curves(axes)
     assert list(lines) == ["planet 1", "planet 2", "planet 3", "planet 4", "printed mean"]
@@ -63,7 +63,7 @@ def test_forces_are_tangential_and_span_six_periods(dataset):
 
 
 def test_the_other_flank_is_drawn_positive():
-    axes = _canvas(9, 4).add_subplot()
+    axes = make_canvas(9, 4).add_subplot()
     assert _draw_forces(axes, make_dataset(), _FORCES[2])
     time, force = curves(axes)["simulated"].get_data()
     assert time[-1] == pytest.approx(1e3 * 30 / PSH, abs=0.2)
@@ -72,7 +72,7 @@ def test_the_other_flank_is_drawn_positive():
 
 
 def test_spectrum_shows_its_lines_and_the_printed_ones(dataset):
-    axes = _canvas(9, 4).add_subplot()
+    axes = make_canvas(9, 4).add_subplot()
     assert _draw_spectrum(axes, dataset, _SPECTRA[0])
     frequency, amplitude = curves(axes)["simulated"].get_data()
     assert amplitude[frequency == 316.0] == pytest.approx(1.3)

@@ -1,0 +1,140 @@
+"""Lines: the strongest peaks of a spectrum, each named by meshes, carriers, shafts and modes that explain it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..spectra import explain_line, nearest_mode, strongest_lines
+from ..statistics import mesh_frequencies, shaft_speeds
+from .orders import TURN
+from .spectrum import Spectrum
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from ..linear.modes import Mode
+
+WITHIN = 0.6
+"""How far a peak may be from what it is named after [bins]; a peak is up to half a bin from its line."""
+DUST = 1e-4
+"""Share of the strongest line below which peaks are left out."""
+STANDING = 1e-3
+"""Frequency below which a shaft stands [Hz]."""
+
+
+@dataclass(frozen=True)
+class Clues:
+    """What lines are explained by.
+
+    Attributes
+    ----------
+    meshes, carriers, shafts
+        Mesh frequency by gear set, and turns a second of carriers and of other members that are no planets [Hz].
+    modes
+        Name -> eigenfrequency and half of the half-power bandwidth [Hz].
+    """
+
+    meshes: dict[str, float] = field(default_factory=dict)
+    carriers: dict[str, float] = field(default_factory=dict)
+    shafts: dict[str, float] = field(default_factory=dict)
+    modes: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+    def over(self, turns_hz: float) -> Clues:
+        """Return the clues as orders of a shaft that turns so often a second; modes have no order."""
+        every = (self.meshes, self.carriers, self.shafts)
+        meshes, carriers, shafts = ({name: value / turns_hz for name, value in of.items()} for of in every)
+        return Clues(meshes, carriers, shafts)
+
+
+@dataclass(frozen=True)
+class NamedLine:
+    """A line and what explains it.
+
+    Attributes
+    ----------
+    place
+        On the spectrum's axis [Hz], or order [1].
+    amplitude
+        [unit of the output].
+    kind, name
+        ``harmonic``, ``sideband``, ``shaft`` or ``mode``, and the name; "" where nothing explains the line.
+    mode
+        The mode that is near, whatever the line's name; "" for none.
+    """
+
+    place: float
+    amplitude: float
+    kind: str
+    name: str
+    mode: str
+
+
+def find_clues(dataset: xr.Dataset, modes: Sequence[Mode] = ()) -> Clues:
+    """Return what a span's lines can be explained by.
+
+    Parameters
+    ----------
+    dataset
+        The span that is analysed.
+    modes
+        From ``find_modes`` and ``describe_modes``; rigid-body modes are left out.
+    """
+    start = float(dataset["time"].values[0])
+    meshes = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
+    speeds = shaft_speeds(dataset, start) if "speed" in dataset else {}
+    turning = {name: abs(speed) / TURN for name, speed in speeds.items() if abs(speed) / TURN > STANDING}
+    carriers = {name: value for name, value in turning.items() if name.endswith(".carrier")}
+    shafts = {
+        name: value
+        for name, value in turning.items()
+        if "." in name and name not in carriers and ".planet." not in name
+    }
+    return Clues(meshes, carriers, shafts, list_modes(modes))
+
+
+def list_modes(modes: Sequence[Mode]) -> dict[str, tuple[float, float]]:
+    """Return by name the eigenfrequency and half of the half-power bandwidth of modes that vibrate [Hz]."""
+    return {
+        f"mode {number} ({mode.name or mode.kind})": (mode.frequency_hz, abs(mode.damping_ratio) * mode.frequency_hz)
+        for number, mode in enumerate(modes, start=1)
+        if mode.frequency_hz > 0.0 and mode.kind != "rigid" and abs(mode.damping_ratio) < 1.0
+    }
+
+
+def name_lines(
+    spectrum: Spectrum, clues: Clues, count: int = 12, highest: float | None = None
+) -> tuple[NamedLine, ...]:
+    """Return the strongest lines of an amplitude spectrum, strongest first, each with its explanation.
+
+    Parameters
+    ----------
+    spectrum
+        Over frequency, or over the turns of a shaft.
+    clues
+        In the unit of the spectrum's axis (``Clues.over`` for orders).
+    count
+        How many at most.
+    highest
+        Lines beyond this place on the axis are left out; the axis' end where left out.
+    """
+    inside = spectrum.axis <= (spectrum.axis[-1] if highest is None else highest)
+    if inside.sum() < 3:
+        return ()
+    found = strongest_lines(spectrum.axis[inside], spectrum.value[inside], count, spectrum.separation, DUST)
+    within = WITHIN * spectrum.resolution
+    named = []
+    for line in found:
+        place = line.frequency_hz
+        kind, name = explain_line(place, clues.meshes, within, clues.carriers, clues.shafts, clues.modes)
+        named.append(NamedLine(place, line.amplitude, kind, name, nearest_mode(place, within, clues.modes)))
+    return tuple(named)
+
+
+def turns_per_second(angle: xr.DataArray) -> float:
+    """Return how often a shaft turns a second [Hz], mean over the span."""
+    time = angle["time"].values
+    return float(np.abs(angle.values[-1] - angle.values[0]) / TURN / (time[-1] - time[0]))

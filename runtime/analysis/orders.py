@@ -1,0 +1,101 @@
+"""Orders: the spectrum of an output over the turns of a shaft, so that lines stay sharp while the speed varies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+
+from ..spectra import amplitude_spectrum, noise_bandwidth
+from .spectrum import Spectrum
+from .trace import FloatArray, list_items, read_trace
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+TURN = 2.0 * np.pi
+MARGIN = 0.4
+"""Share of the sampling rate up to which orders are given, at the highest speed of the span."""
+DENSE = 2.0
+"""Samples at equal angles over samples at equal times, at the lowest speed: images of interpolation stay outside."""
+SLOWEST = 0.02
+"""Lowest speed of a span over its highest."""
+MOST = 2**23
+"""Most samples at equal angles."""
+
+
+def shaft_angle(dataset: xr.Dataset, rotor: str) -> xr.DataArray:
+    """Return the absolute angle of a rotor [rad], unwrapped: ratio x reference angle + twist.
+
+    Raises
+    ------
+    LtcgearError
+        If there is no such rotor, or the file is older than the reference angle.
+    """
+    from difflib import get_close_matches
+
+    rotors = list_items(dataset, "twist")
+    if rotor not in rotors:
+        near = get_close_matches(rotor, rotors, 1, 0.0)
+        raise LtcgearError(f"--shaft {rotor}: no such rotor; there are {', '.join(rotors)}; nearest: {near[0]}" if near
+                           else f"--shaft {rotor}: the result has no rotor")  # fmt: skip
+    if "reference_angle" not in dataset:
+        raise LtcgearError("the result has no reference_angle, since an older ltcgear wrote it; simulate again")
+    angle = dataset["reference_angle"] * dataset["speed_ratio"] + dataset["twist"]
+    return angle.sel(rotor=rotor).rename("angle").assign_attrs(units="rad", long_name="absolute angle")
+
+
+def find_order_spectrum(signal: xr.DataArray, angle: xr.DataArray, *, window: str = "hann") -> Spectrum:
+    """Return the amplitude spectrum of an output over the turns of a shaft.
+
+    The output is interpolated by a spline of degree 5 at equal angles of the shaft over a whole number of turns, so
+    densely that nothing below half the sampling rate folds back at any speed of the span. Orders are given up to
+    `MARGIN` of the sampling rate at the highest speed.
+
+    Parameters
+    ----------
+    signal
+        Output over time.
+    angle
+        Absolute angle of the shaft at the same instants [rad], unwrapped.
+    window
+        See ``find_spectrum``.
+
+    Raises
+    ------
+    LtcgearError
+        If the shaft stands, turns back or is slower at some time than `SLOWEST` of its fastest, or turns
+        fewer than four times.
+    """
+    one, other = read_trace(signal), read_trace(angle)
+    turns, shaft = _turns(other.values), other.name.partition(":")[2] or "the shaft"
+    speeds = np.diff(turns) * one.rate
+    if not speeds.min() > SLOWEST * speeds.max():
+        raise LtcgearError(f"{shaft} stands, turns back or is very slow in the span; give one in which it turns")
+    whole = int(turns[-1] * (1.0 + 1e-12))
+    if whole < 4:
+        raise LtcgearError(f"{shaft} turns {turns[-1]:.3g} times in the span, 4 at least are needed; give a longer one")
+    each = int(np.ceil(DENSE * one.rate / speeds.min()))
+    if each * whole > MOST:
+        raise LtcgearError(f"{shaft}: too slow at some time of the span beside its fastest; give a later start")
+    order, value = amplitude_spectrum(_resample(turns, one.values, each, whole), float(each), window)
+    kept = order <= MARGIN * one.rate / speeds.max()
+    return Spectrum(
+        one.name, one.title, "amplitude", one.unit, "1", order[kept], value[kept], window, 1.0 / whole,
+        noise_bandwidth(window, each * whole) / whole, float(one.time[0]),
+        float(np.interp(whole, turns, one.time)), shaft,
+    )  # fmt: skip
+
+
+def _turns(angle: FloatArray) -> FloatArray:
+    """Return turns since the first instant, counted in the sense in which the shaft goes."""
+    return np.asarray((angle - angle[0]) * np.sign(angle[-1] - angle[0]) / TURN)
+
+
+def _resample(turns: FloatArray, values: FloatArray, each: int, whole: int) -> FloatArray:
+    """Return values at ``each`` equal angles of ``whole`` turns."""
+    from scipy.interpolate import make_interp_spline
+
+    places = np.arange(each * whole) / each
+    return np.asarray(make_interp_spline(turns, values, k=5)(places), dtype=np.float64)

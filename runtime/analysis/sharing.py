@@ -1,0 +1,99 @@
+"""Sharing: how the planets of a stage share its load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+
+from ..statistics import group_of
+from .trace import FloatArray, list_items, pick, read_trace
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+WEAK = 0.05
+"""Part of the mean total load below which shares of an instant say nothing."""
+
+
+@dataclass(frozen=True)
+class LoadShare:
+    """Shares of equal meshes in the load they carry together; 1 is an equal share.
+
+    Attributes
+    ----------
+    group, meshes
+        ``lsp.sun_planet`` and its meshes.
+    mean
+        Each mesh's mean force over the mean of all [1], shape (meshes,).
+    lowest, highest
+        Extremes over time of each share [1], shape (meshes,).
+    time, share
+        Instants [s], and n F_i / sum F_j [1], shape (n, meshes); NaN where hardly any load is carried.
+    mesh_load_factor
+        Largest of the mean shares, in the sense of ISO 6336-1's K_gamma.
+    largest
+        Largest share at any time.
+    """
+
+    group: str
+    meshes: tuple[str, ...]
+    mean: FloatArray
+    lowest: FloatArray
+    highest: FloatArray
+    time: FloatArray
+    share: FloatArray
+
+    @property
+    def mesh_load_factor(self) -> float:
+        """Return the largest mean share [1]."""
+        return float(self.mean.max())
+
+    @property
+    def largest(self) -> float:
+        """Return the largest share at any time [1]."""
+        return float(self.highest.max())
+
+
+def list_groups(dataset: xr.Dataset) -> dict[str, list[str]]:
+    """Return the meshes by group: ``lsp.sun_planet`` -> its planets' meshes."""
+    found: dict[str, list[str]] = {}
+    for mesh in list_items(dataset, "mesh_force"):
+        found.setdefault(group_of(mesh), []).append(mesh)
+    return found
+
+
+def find_load_share(dataset: xr.Dataset, group: str) -> LoadShare:
+    """Return how the meshes of a group share their load, by their normal forces.
+
+    Parameters
+    ----------
+    dataset
+        Result, or a span of it, with ``mesh_force``.
+    group
+        Such as ``lsp.sun_planet``.
+
+    Raises
+    ------
+    LtcgearError
+        If there is no such group, it has one mesh only, or carries nothing in the mean.
+    """
+    groups = list_groups(dataset)
+    meshes = groups.get(group, [])
+    if len(meshes) < 2:
+        several = [name for name, members in groups.items() if len(members) > 1]
+        raise LtcgearError(f"{group}: no group of several meshes; there are {', '.join(several) or 'none'}")
+    traces = [read_trace(pick(dataset, "mesh_force", mesh)) for mesh in meshes]
+    force = np.stack([one.values for one in traces], axis=1)
+    total = force.mean(axis=1)
+    middle = float(total.mean())
+    if not abs(middle) > 1e-9 * float(np.abs(force).max()):
+        raise LtcgearError(f"{group}: carries no load in the mean, so it has no shares")
+    carried = total / middle
+    share = np.where(carried[:, None] > WEAK, force / np.where(carried > WEAK, total, 1.0)[:, None], np.nan)
+    none = np.full(len(meshes), np.nan)
+    known = bool((carried > WEAK).any())
+    low, high = (np.nanmin(share, axis=0), np.nanmax(share, axis=0)) if known else (none, none)
+    return LoadShare(group, tuple(meshes), force.mean(axis=0) / middle, low, high, traces[0].time, share)

@@ -1,0 +1,88 @@
+"""Span: the part of a record that is analysed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+
+from ..statistics import sampling_rate, steady_start, window
+from .trace import FEWEST
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+NEEDED = (
+    "mesh_force", "mesh_deflection", "mesh_phase", "bearing_force_x", "pin_force_x", "displacement_x", "speed",
+    "twist", "acceleration_x",
+)  # fmt: skip
+"""Quantities whose samples must be numbers throughout."""
+
+
+def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None = None) -> xr.Dataset:
+    """Cut a record to the span that is analysed.
+
+    Extremes between samples, which belong to the second half of a run, are kept only where the span is that half.
+
+    Parameters
+    ----------
+    dataset
+        Simulation result.
+    start_s, stop_s
+        First and last instant [s]; the second half of the record where left out.
+
+    Raises
+    ------
+    LtcgearError
+        If the span lies outside the record, is too short, or has samples that are not numbers.
+    """
+    if dataset.sizes.get("time", 0) < FEWEST:
+        raise LtcgearError(f"the record has {dataset.sizes.get('time', 0)} samples, {FEWEST} at least are needed")
+    time = dataset["time"].values
+    first, last, half = float(time[0]), float(time[-1]), 0.5 / sampling_rate(dataset)
+    start = steady_start(dataset) if start_s is None else start_s
+    stop = last if stop_s is None else stop_s
+    if not first - half <= start < stop <= last + half:
+        raise LtcgearError(
+            f"--from {start:.6g} --to {stop:.6g}: the record runs from {first:.6g} s to {last:.6g} s; "
+            "give two instants in it, the first before the second"
+        )
+    part = window(dataset, start - 0.01 * half, stop + 0.01 * half)
+    if part.sizes["time"] < FEWEST:
+        raise LtcgearError(
+            f"--from {start:.6g} --to {stop:.6g}: {part.sizes['time']} samples, {FEWEST} at least are needed; "
+            f"give {FEWEST / sampling_rate(dataset):.3g} s or more"
+        )
+    _refuse_gaps(part)
+    if stop < last - half:
+        part = part.drop_vars(["mesh_force_lowest", "mesh_force_highest"], errors="ignore")
+    return part
+
+
+def _refuse_gaps(part: xr.Dataset) -> None:
+    """Refuse samples that are not numbers, as a run leaves them that broke down."""
+    for name in NEEDED:
+        if name in part:
+            bad = ~np.isfinite(part[name].transpose("time", ...).values)
+            rows = np.flatnonzero(bad.any(axis=1))
+            if rows.size:
+                time, item = part["time"].values, part[name][part[name].dims[1]].values[int(np.argmax(bad[rows[0]]))]
+                raise LtcgearError(
+                    f"{name}:{item}: not a number from {time[rows[0]]:.6g} s on; "
+                    f"analyse what comes before it, --to {time[max(rows[0] - 1, 0)]:.6g}"
+                )
+
+
+def speed_change(part: xr.Dataset) -> float:
+    """Return how far the fastest rotor's speed varies in a span, over its largest [1]; 0 where no rotor turns.
+
+    Each speed is first averaged over fifths of the span, so that vibration does not count.
+    """
+    if "speed" not in part:
+        return 0.0
+    speed = np.abs(part["speed"].transpose("time", "rotor").values)
+    fifths = np.array([block.mean(axis=0) for block in np.array_split(speed, 5)])
+    fastest = int(np.argmax(fifths.max(axis=0)))
+    top = float(fifths[:, fastest].max())
+    return float(np.ptp(fifths[:, fastest])) / top if top > 0.0 else 0.0

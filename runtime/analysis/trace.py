@@ -1,0 +1,138 @@
+"""Trace: one output of a simulation over time, ready to be analysed, and how it is found by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FloatArray = NDArray[np.float64]
+FEWEST = 64
+"""Samples below which a window is too short to be analysed."""
+AXES = ("_x", "_y")
+
+
+@dataclass(frozen=True)
+class Trace:
+    """One output over a window of time.
+
+    Attributes
+    ----------
+    name
+        ``mesh_force:psh.mesh``.
+    title
+        The same in words: ``normal mesh force of psh.mesh``.
+    unit
+        Of the values.
+    time, values
+        Uniform instants [s] and samples [unit], shape (n,) each.
+    """
+
+    name: str
+    title: str
+    unit: str
+    time: FloatArray
+    values: FloatArray
+
+    @property
+    def rate(self) -> float:
+        """Return the sampling rate [Hz]."""
+        return float((self.time.size - 1) / (self.time[-1] - self.time[0]))
+
+
+def read_trace(signal: xr.DataArray) -> Trace:
+    """Read an output over time, such as ``result.mesh["psh.mesh"].force``.
+
+    Raises
+    ------
+    LtcgearError
+        If it is not one output over time, has fewer than `FEWEST` samples or samples that are not numbers.
+    """
+    name = name_of(signal)
+    if signal.dims != ("time",):
+        raise LtcgearError(f"{name}: has the dimensions {', '.join(map(str, signal.dims))}; choose one item over time")
+    values = np.asarray(signal.values, dtype=np.float64)
+    time = np.asarray(signal["time"].values, dtype=np.float64)
+    if values.size < FEWEST:
+        raise LtcgearError(f"{name}: {values.size} samples are too few, {FEWEST} at least; choose a longer window")
+    missing = np.flatnonzero(~np.isfinite(values))
+    if missing.size:
+        raise LtcgearError(f"{name}: not a number from {time[missing[0]]:.6g} s on; choose a window that leaves it out")
+    words, item = str(signal.attrs.get("long_name", signal.name or "signal")), name.partition(":")[2]
+    return Trace(name, f"{words} of {item}" if item else words, unit_of(signal), time, values)
+
+
+def unit_of(signal: xr.DataArray) -> str:
+    """Return the unit of an output."""
+    return str(signal.attrs.get("units", "1"))
+
+
+def name_of(signal: xr.DataArray) -> str:
+    """Name an output as QUANTITY:ITEM; the item is the one label that is left of a dimension."""
+    items = [str(value.values) for key, value in signal.coords.items() if key != "time" and value.ndim == 0]
+    return ":".join([str(signal.name or "signal"), *items[:1]])
+
+
+def select_output(dataset: xr.Dataset, wanted: str) -> tuple[xr.DataArray, ...]:
+    """Find an output by QUANTITY:ITEM.
+
+    Parameters
+    ----------
+    dataset
+        Simulation result.
+    wanted
+        Such as ``mesh_force:psh.mesh``; ``acceleration:lsp.sun`` stands for both axes.
+
+    Returns
+    -------
+    tuple of xarray.DataArray
+        One over time, or those of x and y.
+
+    Raises
+    ------
+    LtcgearError
+        If there is no such output; the nearest is named.
+    """
+    quantity, _, item = wanted.partition(":")
+    known = list_quantities(dataset)
+    if quantity not in known:
+        near = get_close_matches(quantity, known, 1)
+        hint = f"; nearest: {near[0]}" if near else ""
+        raise LtcgearError(f"--output {wanted}: no such quantity; write QUANTITY:ITEM with {', '.join(known)}{hint}")
+    items = list_items(dataset, known[quantity][0])
+    if item not in items:
+        near = get_close_matches(item, items, 1, 0.0) or items
+        listed = ", ".join(items[:20]) + (", ..." if len(items) > 20 else "")
+        raise LtcgearError(f"--output {wanted}: no such item; {quantity} has {listed}; nearest: {near[0]}")
+    return tuple(pick(dataset, name, item) for name in known[quantity])
+
+
+def list_items(dataset: xr.Dataset, quantity: str) -> list[str]:
+    """List the items of a quantity over time; none where the result lacks it."""
+    return [str(name) for name in dataset[quantity][dataset[quantity].dims[-1]].values] if quantity in dataset else []
+
+
+def pick(dataset: xr.Dataset, quantity: str, item: str) -> xr.DataArray:
+    """Return one item of a quantity over time."""
+    return dataset[quantity].sel({dataset[quantity].dims[-1]: item})
+
+
+def list_quantities(dataset: xr.Dataset) -> dict[str, list[str]]:
+    """List what can be analysed: quantity -> its variables; two axes are also known by their common name."""
+    found = {
+        str(name): [str(name)]
+        for name, variable in dataset.data_vars.items()
+        if variable.dims[:1] == ("time",) and variable.ndim == 2 and name != "state" and variable.dtype.kind in "fiu"
+    }
+    for name in list(found):
+        stem = name[:-2]
+        if name.endswith("_x") and f"{stem}_y" in found:
+            found[stem] = [stem + axis for axis in AXES]
+    return found

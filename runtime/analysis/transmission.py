@@ -1,0 +1,135 @@
+"""Transmission error: by how much gears run behind rigid, perfect ones, on the line of action."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+
+from ..statistics import group_of, stage_of
+from .orders import TURN
+from .trace import FloatArray, list_items, pick, read_trace
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+GEARS = {
+    "sun_planet": ("sun", "planet", 1.0),
+    "ring_planet": ("ring", "planet", -1.0),
+    "mesh": ("input", "output", 1.0),
+}
+"""Kind of mesh -> gear 1, gear 2, and +1 for external or -1 for internal teeth."""
+HARMONICS = 6
+DEFINITIONS = {
+    "deflection": "deflection of the teeth along the line of action",
+    "angles": "s [r_1 (u_1 - u_C) + sigma r_2 (u_2 - u_C)] from the gears' angles",
+}
+"""What each definition is."""
+
+
+@dataclass(frozen=True)
+class TransmissionError:
+    """The transmission error of a mesh.
+
+    Attributes
+    ----------
+    mesh
+        Its name.
+    definition
+        ``deflection`` or ``angles``, see `DEFINITIONS`.
+    time, value
+        Instants [s] and transmission error [m], shape (n,) each; positive where gear 2 runs behind under load.
+    mean, peak_to_peak, vibration
+        Mean, largest less smallest, and standard deviation [m].
+    harmonics
+        Amplitudes of the first harmonics of the mesh frequency [m].
+    """
+
+    mesh: str
+    definition: str
+    time: FloatArray
+    value: FloatArray
+    mean: float
+    peak_to_peak: float
+    vibration: float
+    harmonics: tuple[float, ...]
+
+
+def find_transmission_error(dataset: xr.Dataset, mesh: str, definition: str = "deflection") -> TransmissionError:
+    """Return the dynamic transmission error of a mesh (Ozguven and Houser 1988, J. Sound Vib. 121:383).
+
+    By ``angles`` it is what encoders on both shafts would tell: deflection, errors of teeth, and what bearings yield.
+    By ``deflection`` it is what the teeth alone yield. The two are equal for perfect gears that only turn.
+
+    Parameters
+    ----------
+    dataset
+        Result, or a span of it.
+    mesh
+        Such as ``psh.mesh``.
+    definition
+        ``deflection`` or ``angles``.
+
+    Raises
+    ------
+    LtcgearError
+        If there is no such mesh, or the result lacks what the definition needs.
+    """
+    if definition not in DEFINITIONS:
+        raise LtcgearError(f"transmission error by {definition}: must be by one of {', '.join(DEFINITIONS)}")
+    meshes = list_items(dataset, "mesh_deflection")
+    if mesh not in meshes:
+        raise LtcgearError(f"{mesh}: no such mesh; there are {', '.join(meshes) or 'none'}")
+    deflection = read_trace(pick(dataset, "mesh_deflection", mesh))
+    value = deflection.values if definition == "deflection" else _by_angles(dataset, mesh)
+    counted = mesh in list_items(dataset, "mesh_phase")
+    phase = pick(dataset, "mesh_phase", mesh).values if counted else np.zeros(value.size)
+    return TransmissionError(
+        mesh, definition, deflection.time, value, float(value.mean()), float(np.ptp(value)), float(value.std()),
+        harmonics_of(value, phase),
+    )  # fmt: skip
+
+
+def harmonics_of(value: FloatArray, phase: FloatArray, count: int = HARMONICS) -> tuple[float, ...]:
+    """Return the amplitudes of harmonics of a phase [cycles], over a Hann window; NaN over fewer than four cycles."""
+    if abs(phase[-1] - phase[0]) < 4.0:
+        return (float("nan"),) * count
+    weights = np.hanning(value.size)
+    rest = (value - np.average(value, weights=weights)) * weights
+    return tuple(
+        float(2.0 * np.abs((rest * np.exp(-1j * TURN * h * phase)).sum()) / weights.sum()) for h in range(1, count + 1)
+    )
+
+
+def _by_angles(dataset: xr.Dataset, mesh: str) -> FloatArray:
+    """Return the transmission error from the gears' twists against the rigid motion [m]."""
+    kind = group_of(mesh).rpartition(".")[2]
+    if kind not in GEARS or "parameter_value" not in dataset:
+        raise LtcgearError(f"{mesh}: the result does not hold the base radii; simulate again, or take the deflection")
+    one, two, sigma = GEARS[kind]
+    stage, planet = stage_of(mesh), mesh.rpartition(".")[2]
+    second = f"{stage}.planet.{planet}" if two == "planet" else f"{stage}.{two}"
+    radius_1, radius_2, side = (
+        parameter(dataset, f"{group_of(mesh)}.{key}") for key in ("base_radius_1", "base_radius_2", "flank")
+    )
+    if radius_1 is None or radius_2 is None or side is None:
+        raise LtcgearError(f"{mesh}: the result does not hold its base radii; take the deflection")
+    carrier = _twist(dataset, f"{stage}.carrier") if two == "planet" else np.zeros(dataset.sizes["time"])
+    turned = [_twist(dataset, gear) - carrier for gear in (f"{stage}.{one}", second)]
+    return np.asarray(side * (radius_1 * turned[0] + sigma * radius_2 * turned[1]), dtype=np.float64)
+
+
+def _twist(dataset: xr.Dataset, member: str) -> FloatArray:
+    """Return a member's angle against the rigid motion [rad]; zero for one that is held."""
+    if member not in list_items(dataset, "twist"):
+        return np.zeros(dataset.sizes["time"])
+    return read_trace(pick(dataset, "twist", member)).values
+
+
+def parameter(dataset: xr.Dataset, name: str) -> float | None:
+    """Return a parameter of the model, None where the result does not hold it."""
+    if "parameter_value" not in dataset or name not in dataset["parameter"].values:
+        return None
+    return float(dataset["parameter_value"].sel(parameter=name))

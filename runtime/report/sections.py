@@ -1,0 +1,243 @@
+"""Sections: what the page shows below the stages, each with its figures or the reason why it has none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+
+from ..analysis.lines import Clues, find_clues, name_lines, turns_per_second
+from ..analysis.load_figures import carrier_turns, draw_forces, draw_shares
+from ..analysis.orbit_figures import draw_orbits
+from ..analysis.orbits import find_orbit, list_members
+from ..analysis.orders import find_order_spectrum, shaft_angle
+from ..analysis.sharing import find_load_share, list_groups
+from ..analysis.span import cut, speed_change
+from ..analysis.spectrum import find_spectrum
+from ..analysis.spectrum_figures import draw_spectrogram, draw_spectrum, draw_waterfall
+from ..analysis.trace import list_items, pick
+from ..analysis.waterfall import find_waterfall, mesh_courses
+from ..statistics import mesh_frequencies, stage_of
+from .march_figure import draw_steps, draw_switchings
+from .pictures import make_picture
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from ..linear.modes import Mode
+
+MOST = 8
+"""Figures of one kind in a page."""
+CHANGING = 0.02
+"""Change of speed from which spectra are taken over turns instead of time."""
+REST = 1e-12
+"""Largest shift of a member that is at rest [m]; less is rounding."""
+ROUNDING = 1e-9
+"""Variation of a signal over its size that is no vibration."""
+HARMONICS = 6.5
+"""Harmonics of the fastest mesh that spectra show."""
+
+
+@dataclass
+class Section:
+    """A part of the page: what it is called, what is said, and its figures."""
+
+    key: str
+    title: str
+    text: list[str]
+    pictures: list[dict[str, Any]] = field(default_factory=list)
+    modes: list[str] = field(default_factory=list)
+    tables: list[dict[str, Any]] = field(default_factory=list)
+    moves: bool = False
+
+    def draw(self, draw: Callable[[], Figure], caption: str, height: float, **size: Any) -> None:  # noqa: ANN401
+        """Add a figure, or the reason why it cannot be drawn."""
+        try:
+            figure = draw()
+        except LtcgearError as error:
+            self.text.append(f"Not drawn: {error}")
+            return
+        self.pictures.append(make_picture(figure, f"{self.key}{len(self.pictures)}", caption, height, **size))
+
+
+def make_sections(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> list[Section]:
+    """Draw the figures of a result; call it while figures are ``themed``.
+
+    Parameters
+    ----------
+    dataset
+        The whole record.
+    modes
+        Modes by which lines are named; none where they are not known.
+    """
+    makers = (_forces, _shares, _spectra, _waterfall, _orbits, _march)
+    return [section for make in makers for section in make(dataset, modes)]
+
+
+def _forces(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
+    """Draw mesh forces over time."""
+    groups = list(list_groups(dataset))
+    if groups:
+        section = Section("forces", "Mesh forces", ["Normal forces along the lines of action." + _left_out(groups)])
+        for group in groups[:MOST]:
+            section.draw(lambda group=group: draw_forces(dataset, group), "Above the whole record, below its end.", 4.2)
+        yield section
+
+
+def _left_out(items: list[str]) -> str:
+    """Say which items have no figure, because there are too many."""
+    return f" Not drawn, for brevity: {', '.join(items[MOST:])}." if len(items) > MOST else ""
+
+
+def _shares(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
+    """Draw how planets share loads."""
+    groups = [name for name, meshes in list_groups(dataset).items() if len(meshes) > 1]
+    if not groups:
+        return
+    text = "How planets share the load of a stage in the second half of the record; 1 is an equal share."
+    section = Section("share", "Load share", [text + _left_out(groups)])
+
+    def draw(group: str) -> Figure:
+        part = cut(dataset)
+        return draw_shares(find_load_share(part, group), carrier_turns(part, stage_of(group)))
+
+    for group in groups[:MOST]:
+        section.draw(lambda group=group: draw(group), "Means in the legend; the mesh load factor is the largest.", 3.0)
+    yield section
+
+
+def _spectra(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
+    """Draw spectra of a mesh force of each group of meshes, and of the liveliest accelerations."""
+    wanted = [("mesh_force", meshes[0]) for meshes in list_groups(dataset).values()]
+    lively = _liveliest(dataset)
+    wanted = [*wanted[: MOST - len(lively)], *lively]
+    if not wanted:
+        return
+    section = Section("spectra", "Spectra", [
+        "Second half of the record. The strongest lines are numbered and named by what explains them: harmonics of mesh "
+        "frequencies (“2 hsp”), sidebands, turns of shafts, or modes of the linearised model."
+    ])  # fmt: skip
+    try:
+        part = cut(dataset)
+    except LtcgearError as error:
+        section.text.append(f"Not drawn: {error}")
+        yield section
+        return
+    changing = speed_change(part)
+    if changing > CHANGING:
+        section.text.append(f"Speeds change by {changing:.0%} there, so spectra are taken over turns of a shaft.")
+    clues = find_clues(part, modes)
+    for quantity, item in wanted:
+        section.draw(lambda q=quantity, i=item: _spectrum(part, q, i, clues, changing > CHANGING), "", 3.1)
+    yield section
+
+
+def _spectrum(part: xr.Dataset, quantity: str, item: str, clues: Clues, turning: bool) -> Figure:
+    """Draw the spectrum of an output, over the turns of the fastest rotor where speeds change."""
+    signals = [pick(part, name, item) for name in (quantity, quantity.replace("_x", "_y"))[: 1 + quantity.endswith("_x")]]
+    for signal in signals:
+        _refuse_constant(signal)
+    highest = HARMONICS * max(clues.meshes.values(), default=0.0)
+    if turning:
+        rotor = _fastest(part)
+        angle = shaft_angle(part, rotor)
+        spectrum, each = find_order_spectrum(signals[0], angle), turns_per_second(angle)
+        clues, highest = clues.over(each), highest / each
+    else:
+        spectrum = find_spectrum(*signals)
+    end = float(min(highest, spectrum.axis[-1])) if highest > 0 else None
+    return draw_spectrum(spectrum, name_lines(spectrum, clues, 8, end), end)
+
+
+def _refuse_constant(signal: xr.DataArray) -> None:
+    """Refuse a signal that does not vary but by rounding, as nothing is to be seen of its spectrum."""
+    values = signal.values
+    if not np.ptp(values) > ROUNDING * np.abs(values).max():
+        item = next(str(value.values) for key, value in signal.coords.items() if key != "time")
+        raise LtcgearError(f"the {signal.attrs['long_name']} of {item} does not vary")
+
+
+def _liveliest(dataset: xr.Dataset) -> list[tuple[str, str]]:
+    """Return the accelerations of the two members that shake most, no two of one kind."""
+    members = list_items(dataset, "acceleration_x")
+    if not members:
+        return []
+    half = dataset.sizes["time"] // 2
+    shaking = np.hypot(*(dataset[f"acceleration_{a}"].values[half:].std(axis=0) for a in "xy"))
+    kinds: dict[str, str] = {}
+    for k in np.argsort(-shaking):
+        if shaking[k] > 0:
+            kinds.setdefault(members[k].rsplit(".planet.", 1)[0], members[k])
+    return [("acceleration_x", member) for member in list(kinds.values())[:2]]
+
+
+def _fastest(dataset: xr.Dataset) -> str:
+    """Return the rotor that turns fastest."""
+    speed = np.abs(dataset["speed"].transpose("time", "rotor").values).mean(axis=0)
+    return str(dataset["rotor"].values[int(np.argmax(speed))])
+
+
+def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
+    """Draw a spectrogram and a waterfall of the fastest mesh's force over the whole record."""
+    frequencies = mesh_frequencies(dataset) if "mesh_phase" in dataset and dataset.sizes["time"] > 4 else {}
+    meshes = list_items(dataset, "mesh_force")
+    if not meshes:
+        return
+    mesh = max(meshes, key=lambda name: (frequencies.get(stage_of(name), 0.0), -meshes.index(name)))
+    section = Section("waterfall", "Waterfall", [f"The force of {mesh}, the mesh that passes most teeth, as its spectrum changes."])
+    highest = HARMONICS * frequencies.get(stage_of(mesh), 0.0)
+
+    def find() -> tuple[Any, Any, float | None]:
+        _refuse_constant(pick(dataset, "mesh_force", mesh))
+        speed = pick(dataset, "speed", _fastest(dataset)) if "speed" in dataset else None
+        found = find_waterfall(pick(dataset, "mesh_force", mesh), speed)
+        end = float(min(highest, found.frequency[-1])) if highest > 0 else None
+        return found, mesh_courses(dataset, found), end
+
+    section.draw(lambda: draw_spectrogram(*find()), "Brighter is stronger.", 3.3)
+    section.draw(lambda: draw_waterfall(*find()), "Spectra one above another.", 3.3)
+    yield section
+
+
+def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
+    """Draw the paths of members that are no planets, floating ones first, then planets."""
+    members = list_members(dataset)
+    if not members:
+        return
+    text = (
+        "Paths of members' centres in the second half of the record, in axes that turn with the stage's carrier. + is "
+        "the mean place, × the loaded equilibrium, a dashed circle a clearance."
+    )
+    section = Section("orbits", "Orbits", [text])
+    try:
+        part = cut(dataset)
+    except LtcgearError as error:
+        section.text.append(f"Not drawn: {error}")
+        yield section
+        return
+    orbits = [find_orbit(part, member, dataset) for member in members]
+    resting = [orbit.member for orbit in orbits if max(np.abs(orbit.x).max(), np.abs(orbit.y).max()) < REST]
+    if resting:
+        section.text.append(f"At rest: {', '.join(resting)}.")
+    moving = [orbit for orbit in orbits if orbit.member not in resting]
+    ordered = sorted(moving, key=lambda orbit: (not orbit.floating, ".planet." in orbit.member))
+    for orbit in ordered[:MOST]:
+        caption = f"RMS distance from the mean place: {orbit.rms * 1e6:.3g} µm"
+        section.draw(lambda orbit=orbit: draw_orbits([orbit]), caption, 2.6, width=2.6)
+        section.pictures[-1] |= {"title": orbit.member + (", floating" if orbit.floating else ""), "legend": []}
+    yield section
+
+
+def _march(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
+    """Draw the integrator's steps and the switchings along time."""
+    section = Section("march", "Steps and switchings", [
+        "How the integrator went: the size of its steps, and how often stiffness switches or contacts change, as seen at "
+        "the samples."
+    ])  # fmt: skip
+    section.draw(lambda: draw_steps(dataset), "Mean between samples.", 2.6)
+    section.draw(lambda: draw_switchings(dataset), "Changes seen between samples, counted in short spans.", 2.6)
+    yield section
