@@ -23,11 +23,8 @@ Quick = Annotated[
     bool, typer.Option("--quick", help="The rig as assumed only: tables and figures, no page and no fitted rig.")
 ]
 RIGS = {"assumed": "rig-2mw", "fitted": "rig-2mw-fitted"}
-ERROR = 'stages.lsp.position_errors=[{ planet = 1, tangential = "50 um" }]'
 FLOATING = {"sun floats": "floating-on", "sun on a stiff bearing": "floating-off"}
-STEP, STEP_END, HALF, WHOLE = 0.5, 1.5, "-5.3e3 N*m", "-1.06e4 N*m"
-RESPONSE = (10.0, 700.0, 691)
-EXCITED = "hsp.sun_planet.1"
+STEP, STEP_END, HALF, WHOLE = 0.5, 2.5, "-5.3e3 N*m", "-1.06e4 N*m"
 
 
 @app.command()

@@ -162,7 +162,10 @@ def tell_lines(
     """Return the rows of Table 8's explanation, each by the name of a rig: assumed, fitted."""
     rows = []
     explained = {rig: explain_lines(meshes, turns, own) for rig, own in modes.items()}
-    members = {float(v): row["members"] for row in published()["table8"]["rows"] for v in row.get("simulated", [])}
+    members: dict[float, list[str]] = {}
+    for row in published()["table8"]["rows"]:
+        for value in row.get("simulated", []):
+            members.setdefault(float(value), []).extend(row["members"])
     for k, first in enumerate(next(iter(explained.values()))):
         per_rig = {}
         for rig, items in explained.items():

@@ -14,9 +14,10 @@ from ..linear.response import respond
 from ..plots import draw_paper_figures
 from ..report.theme import themed, write_svg
 from ..results import written_whole
-from ..statistics import mesh_frequencies, steady_start
+from ..statistics import mesh_frequencies, steady_start, window
 from .figures import (
     COLOURS,
+    MESHES,
     draw_continuous,
     draw_fit,
     draw_floating,
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
 
 MISSING = "ltcgear paper writes a page, which needs Jinja2: pip install 'ltcgear[report]', or give --quick"
 EXCITED = "hsp.sun_planet.1"
+RIPPLE = 0.1
+"""Length of a mean that takes away the meshes' ripple but not the slowest mode [s]."""
 LISTED = 15
 """How many of the lowest modes are listed."""
 CAPTIONS = {
@@ -122,6 +125,7 @@ def compose(material: Material) -> str:
         lines=tell_lines(meshes, turns, material.modes, material.datasets, start),
         modes=_list_modes(material.modes), figures=_draw(material, meshes), captions=CAPTIONS, rigs=list(COLOURS),
         step=_tell_step(material), steady=_tell_steady(material), shares=material.shares, turns=_turns(first),
+        meshes=meshes, below=sum(row["rigs"]["assumed"]["mean_off"] > 0 for row in loads),
         versions=first.attrs.get("ltcgear", ""), times=(start, float(first["time"][-1])),
     )  # fmt: skip
 
@@ -146,21 +150,29 @@ def _list_modes(modes: "Mapping[str, Sequence[Mode]]") -> list[dict[str, Any]]:
 
 
 def _tell_step(material: Material) -> list[dict[str, Any]]:
-    """Return how far mesh forces overshoot their later mean after the step."""
-    time = material.transient["time"].values
-    after, late = time >= material.step_s, time > 0.5 * (material.step_s + float(time[-1]))
+    """Return how far mesh forces overshoot their means at full load after the step, ripple and all or without it."""
+    time, means = material.transient["time"].values, _means(material.datasets["assumed"])
+    after, ripple = time >= material.step_s, round(RIPPLE / float(time[1] - time[0]))
     rows = []
-    for mesh in ("lsp.sun_planet.1", "hsp.sun_planet.1", "psh.mesh"):
-        force = np.abs(material.transient["mesh_force"].sel(mesh=mesh).values)
-        rows.append({"mesh": mesh, "peak": float(force[after].max() / force[late].mean())})
+    for mesh in MESHES:
+        force = np.abs(material.transient["mesh_force"].sel(mesh=mesh).values) / means[mesh]
+        smooth = np.convolve(force, np.ones(ripple) / ripple, mode="same")[: len(force) - ripple]
+        slow = float(smooth[after[: len(smooth)]].max())
+        rows.append({"mesh": mesh, "peak": float(force[after].max()), "slow": slow})
     return rows
+
+
+def _means(dataset: "xr.Dataset") -> dict[str, float]:
+    """Return the mean force of each mesh in the second half of a run [N]."""
+    steady = window(dataset)["mesh_force"]
+    return {mesh: float(np.abs(steady.sel(mesh=mesh)).mean()) for mesh in MESHES}
 
 
 def _tell_steady(material: Material) -> list[dict[str, Any]]:
     """Return how much load factors of successive parts of the second half of a run differ."""
     rows = []
     for rig, dataset in material.datasets.items():
-        for mesh in ("lsp.sun_planet.1", "hsp.sun_planet.1", "psh.mesh"):
+        for mesh in MESHES:
             middle, _, mean, high = split_run(dataset, mesh)
             factors = (high / mean)[middle > steady_start(dataset)]
             rows.append({"rig": rig, "mesh": mesh, "low": float(factors.min()), "high": float(factors.max())})
@@ -176,7 +188,9 @@ def _turns(dataset: "xr.Dataset") -> dict[str, float]:
 
 def _draw(material: Material, meshes: "Mapping[str, float]") -> dict[str, str]:
     """Draw all figures; return them as SVG by name."""
-    with themed():
+    from matplotlib import rc_context
+
+    with themed(), rc_context({"text.parse_math": True}):
         frequency = np.linspace(10.0, 700.0, 691)
         drawn: dict[str, Figure] = {
             f"{rig}-{number}": figure
@@ -187,12 +201,21 @@ def _draw(material: Material, meshes: "Mapping[str, float]") -> dict[str, str]:
             "response": draw_response(
                 {rig: respond(linear, EXCITED, frequency) for rig, linear in material.linears.items()}, meshes
             ),
-            "transient": draw_transient(material.transient, material.step_s),
+            "transient": draw_transient(material.transient, material.step_s, _means(material.datasets["assumed"])),
             "continuous": draw_continuous(material.datasets),
             "floating": draw_floating(material.shares),
             "fit": draw_fit(fitted()["unknowns"]),
         }
+        for figure in drawn.values():
+            _write_plainly(figure)
         return {name: write_svg(figure, name, _label(figure)) for name, figure in drawn.items()}
+
+
+def _write_plainly(figure: "Figure") -> None:
+    """Write the numbers of logarithmic axes without raised exponents, which are no plain text."""
+    for axes in figure.axes:
+        if axes.get_yscale() == "log":
+            axes.yaxis.set_major_formatter(lambda value, place: f"{value:g}")
 
 
 def _label(figure: "Figure") -> str:
