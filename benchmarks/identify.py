@@ -14,12 +14,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ltcgear.runtime.identification.fit import Fit, fit
+from ltcgear.runtime.equilibrium import find_equilibrium
+from ltcgear.runtime.identification.fit import Fit, fit, parameter_slopes, spread_of
 from ltcgear.runtime.identification.forecast import Span
 from ltcgear.runtime.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
 from ltcgear.runtime.identification.screening import screen, spread_points
 from ltcgear.runtime.identification.unknowns import Unknown, changes_of
 from ltcgear.runtime.library import Library, build
+from ltcgear.runtime.linear.modes import find_modes
+from ltcgear.runtime.linear.naming import describe_modes
+from ltcgear.runtime.linear.sensitivity import differentiate_modes
+from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.paper.table9 import tell_loads
 from ltcgear.runtime.simulation import simulate
 from ltcgear.runtime.statistics import group_of
@@ -36,7 +41,7 @@ SPAN = Span(1.0, 0.5)
 POINTS, SEED = 32, 7
 CLOSER, CLOSE_POINTS, SEARCHES, TRIALS = 5, 128, 3, 12
 """Readings that are looked at more closely, points for each, searches from the best of these, and trials of each."""
-LONG, RATE, DIGITS = 4.0, 8192.0, 4
+LONG, RATE, DIGITS, MODES = 4.0, 8192.0, 4, 7
 Vector = np.ndarray
 
 
@@ -221,6 +226,14 @@ def fit_table(data: dict[str, Any]) -> str:
     return f"{text}\n{told} Readings changed: {'; '.join(changed) or 'none'}.\n"
 
 
+def mode_table(data: dict[str, Any]) -> str:
+    """Return what the fit says of the lowest modes, in Markdown."""
+    text = "| mode | Hz | sigma before | sigma after | what it is |\n" + "|---" * 5 + "|\n"
+    for item in data["modes"]:
+        text += f"| {item['mode']} | {item['hz']:.2f} | {item['before']:.2f} | {item['after']:.2f} | {item['name']} |\n"
+    return text
+
+
 def put(parts: dict[str, str]) -> None:
     """Put tables between the marks of the page."""
     text = PAGE.read_text("utf-8")
@@ -228,6 +241,26 @@ def put(parts: dict[str, str]) -> None:
         before, rest = text.split(BEGIN.format(name))
         text = before + BEGIN.format(name) + part + END.format(name) + rest.split(END.format(name))[1]
     PAGE.write_text(text, "utf-8")
+
+
+def tell_modes(data: dict[str, Any]) -> list[dict[str, Any]]:
+    """List the lowest eigenfrequencies with their standard deviations before the fit and after it [Hz]."""
+    unknowns = rig_unknowns()
+    rig = Rig({item["key"]: item["chosen"] for item in data["readings"]}, unknowns)
+    z = np.array([one.place(item["fitted"]) for one, item in zip(unknowns, data["unknowns"], strict=True)])
+    p, jacobian = rig.parameters(z), np.array([item["strength"] for item in data["unknowns"]]).T
+    linear = linearise(rig.library, p, find_equilibrium(rig.library, p))
+    modes = describe_modes(linear, find_modes(linear))
+    slopes = parameter_slopes(rig.parameters, z)
+    moving = slopes.any(axis=1)
+    found = []
+    for item in differentiate_modes(linear, modes, list(range(1, MODES + 1))):
+        before, after = spread_of(item.frequency_hz[moving] @ slopes[moving], jacobian)
+        mode = modes[item.number - 1]
+        found.append(
+            {"mode": item.number, "hz": mode.frequency_hz, "name": mode.name, "before": before, "after": after}
+        )
+    return found
 
 
 def finish(data: dict[str, Any]) -> None:
@@ -239,9 +272,10 @@ def finish(data: dict[str, Any]) -> None:
         model = build_model(load_scene(name))
         library = build(obtain(model))
         datasets[rig] = simulate(library, model.values(), t_end=LONG, rate=RATE, method="erk", rtol=1e-6).dataset
+    data["modes"] = tell_modes(data)
     data["table9"] = tell_loads(datasets, LONG / 2)
     RECORD.write_text(json.dumps(data, indent=1) + "\n", "utf-8")
-    put({"loads": load_table(data), "fit": fit_table(data)})
+    put({"loads": load_table(data), "fit": fit_table(data), "modes": mode_table(data)})
 
 
 def main() -> None:

@@ -108,7 +108,9 @@ def test_fitted_numbers_lie_within_their_bounds_and_ranges():
 
 def test_the_page_of_the_rig_has_the_record_s_tables(identify):
     text = identify.PAGE.read_text("utf-8")
-    for name, table in (("loads", identify.load_table(fitted())), ("fit", identify.fit_table(fitted()))):
+    tables = {"loads": identify.load_table, "fit": identify.fit_table, "modes": identify.mode_table}
+    for name, write in tables.items():
+        table = write(fitted())
         assert identify.BEGIN.format(name) + table + identify.END.format(name) in text
 
 

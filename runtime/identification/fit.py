@@ -150,19 +150,42 @@ class _Search:
         """Return the derivatives of the targets' residuals with respect to z: d y / d p of the run, times d p / d z."""
         key = z.tobytes()
         if self._slopes is None or self._slopes[0] != key:
-            moves = self.moves(z)
+            moves = parameter_slopes(self.values, z)
             moving = moves.any(axis=1)
             gradients = self.at(z)[0].gradients()[:, moving] / self.sigma[:, None]
             self._slopes = key, np.asarray(gradients @ moves[moving])
         return self._slopes[1]
-
-    def moves(self, z: Vector) -> Vector:
-        """Return d p / d z, shape (n_p, unknowns), by central differences of what builds the parameters."""
-        steps = np.eye(len(z)) * STEP
-        return np.array([(self.values(z + step) - self.values(z - step)) / (2 * STEP) for step in steps]).T
 
     def conclude(self, z: Vector, message: str) -> Fit:
         """Return what is known of a point."""
         slopes, said = self.slopes(z), self.at(z)[1]
         misfit = float(np.sum(((said - self.known) / self.sigma) ** 2))
         return Fit(z.copy(), said.copy(), slopes.copy(), misfit, float(z @ z), self.runs, message)
+
+
+def parameter_slopes(values: Values, z: Vector) -> Vector:
+    """Return d p / d z, shape (n_p, unknowns), by central differences of what builds the parameters.
+
+    Parameters
+    ----------
+    values
+        z -> parameters of the model, shape (n_p,).
+    z
+        A point [standard deviations].
+    """
+    steps = np.eye(len(z)) * STEP
+    return np.array([(values(z + step) - values(z - step)) / (2 * STEP) for step in steps]).T
+
+
+def spread_of(gradient: Vector, jacobian: Vector) -> tuple[float, float]:
+    """Return the standard deviation of a number before and after the fit.
+
+    Parameters
+    ----------
+    gradient
+        Derivatives of the number with respect to z, shape (unknowns,).
+    jacobian
+        Those of the targets' residuals, shape (targets, unknowns).
+    """
+    covariance = np.linalg.inv(jacobian.T @ jacobian + np.eye(len(gradient)))
+    return float(np.linalg.norm(gradient)), float(np.sqrt(gradient @ covariance @ gradient))

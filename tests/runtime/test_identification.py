@@ -5,7 +5,7 @@ from math import log
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.identification.fit import _Search, fit
+from ltcgear.runtime.identification.fit import _Search, fit, spread_of
 from ltcgear.runtime.identification.forecast import Forecast, Span, Target
 from ltcgear.runtime.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
 from ltcgear.runtime.identification.screening import screen, spread_points
@@ -20,6 +20,7 @@ DAMPING = Unknown("mesh damping", ("stages.psh.mesh.damping_ratio",), "", 0.05, 
 WIDTH = Unknown("width", ("stages.psh.input.disc.width",), "mm", 200.0, 100.0, 320.0, "a test")
 BEARING = Unknown("bearing", ("stages.psh.input.bearing.stiffness",), "N/m", 7.06e9, 2e9, 1.5e10, "a test")
 PHASE = Unknown("phase", ("stages.psh.mesh.phase",), "", 0.1, -0.4, 0.6, "a test", logarithmic=False)
+TORQUE = Unknown("torque", ("loads.output.torque",), "N*m", -1.06e4, -1.5e4, -0.5e4, "a test", logarithmic=False)
 OUTPUTS = (
     ("mesh_force:psh.mesh", "load-factor"), ("mesh_force:psh.mesh", "vibration"), ("bearing_force_x:psh.input", "max"),
     ("bearing_force_y:psh.input", "min"),
@@ -65,15 +66,24 @@ def test_a_number_that_nothing_speaks_of_stays_where_it_was():
 
 def test_derivatives_of_residuals_are_those_of_differences():
     """Through the run (adjoint, peaks on jumps and between), the equilibrium, and the building of the model."""
-    unknowns = [DAMPING, WIDTH, BEARING, PHASE]
-    search = _Search(case("psh").library, lambda z: psh(z, unknowns), unknowns, twin([0.5] * 4, unknowns), SPAN, print)
-    z = np.array([0.2, -0.1, 0.3, 0.15])
+    unknowns = [DAMPING, WIDTH, BEARING, PHASE, TORQUE]
+    search = _Search(case("psh").library, lambda z: psh(z, unknowns), unknowns, twin([0.5] * 5, unknowns), SPAN, print)
+    z = np.array([0.2, -0.1, 0.3, 0.15, -0.2])
     slopes = search.jacobian(z)
     h = 2e-4
     expected = np.array(
         [(search.residuals(z + step) - search.residuals(z - step)) / (2 * h) for step in np.eye(len(z)) * h]
     ).T
     assert slopes == pytest.approx(expected, rel=2e-4, abs=1e-4 * np.abs(expected).max())
+    # Forces go with the torque, their ratio to the static one does not (but for what teeth give way).
+    assert abs(slopes[0, 4]) < 0.02 * abs(slopes[1, 4])
+
+
+def test_spreads_of_numbers_that_follow():
+    """Two unknowns of which one sum is known: the sum is sharp after the fit, the difference as vague as before."""
+    jacobian = np.array([[30.0, 30.0]])
+    assert spread_of(np.array([1.0, 1.0]), jacobian) == pytest.approx((np.sqrt(2), np.sqrt(2 / 1801)))
+    assert spread_of(np.array([1.0, -1.0]), jacobian) == pytest.approx((np.sqrt(2), np.sqrt(2)))
 
 
 def test_bounds_hold():
