@@ -67,6 +67,8 @@ def simulate_many(
     Results come in the order of the sets, as they are asked for; a few runs go ahead. With ``erk`` (which ``auto`` may
     choose) they go on side by side, with other methods one after the other. Ctrl-C stops all of them, and is raised.
 
+    Parameters that are not listed are those of ``simulate``.
+
     Parameters
     ----------
     sets
@@ -75,8 +77,6 @@ def simulate_many(
         Called, in the calling thread, with the time simulated so far, of all runs together [s].
     workers
         How many runs go on side by side; by default as many as there are cores.
-
-    Other parameters are those of ``simulate``.
 
     Yields
     ------

@@ -68,6 +68,8 @@ def record(
     While it runs, samples go to ``NAME.part.nc`` and all that it takes to go on to ``NAME.checkpoint.npz``.
     Both outlast a killed program, and a run that Ctrl-C stopped; else they are deleted.
 
+    Parameters that are not listed are those of ``simulate``.
+
     Parameters
     ----------
     target
@@ -75,8 +77,6 @@ def record(
     resume
         Go on from the checkpoint; the result is to the last bit that of a run that was never stopped (with ``sundae``,
         whose history is not kept, to the tolerance).
-
-    Other parameters are those of ``simulate``.
 
     Returns
     -------

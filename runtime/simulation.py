@@ -120,12 +120,12 @@ class Run:
 
     The first and the last use CasADi, which serves one thread only; with ``erk`` the one between them does not.
 
+    Parameters that are not listed are those of ``simulate``.
+
     Parameters
     ----------
     p
         Parameters, shape (n_p,).
-
-    Other parameters are those of ``simulate``.
 
     Raises
     ------
