@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.identification.fit import Fit, fit, parameter_slopes, spread_of
+from ltcgear.runtime.identification.fitting import Fit, fit, parameter_slopes, spread_of
 from ltcgear.runtime.identification.forecast import Span
 from ltcgear.runtime.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
 from ltcgear.runtime.identification.screening import screen, spread_points

@@ -5,7 +5,7 @@ from math import log
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.identification.fit import _Search, fit, spread_of
+from ltcgear.runtime.identification.fitting import _Search, fit, spread_of
 from ltcgear.runtime.identification.forecast import Forecast, Span, Target
 from ltcgear.runtime.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
 from ltcgear.runtime.identification.screening import screen, spread_points
