@@ -6,10 +6,14 @@ PYTHON ?= python3
 export OPENBLAS_NUM_THREADS ?= 1
 BIN := .venv/bin
 
-.PHONY: rig test lint regenerate docs site clean
+.PHONY: rig paper test lint regenerate docs site clean
 
 rig: .venv/rig
 	$(BIN)/ltcgear generate rig-2mw
+	$(BIN)/ltcgear paper --quick -o out
+
+# The paper reproduced on one page, out/paper.html: printed, predicted and fitted.
+paper: .venv/rig
 	$(BIN)/ltcgear paper -o out
 
 test: .venv/test

@@ -12,7 +12,6 @@ from typing import Any
 from unittest.mock import patch
 
 from ltcgear.generated import store
-from ltcgear.runtime.comparison import published
 from ltcgear.runtime.ends import label
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.library import Library, build
@@ -21,8 +20,8 @@ from ltcgear.runtime.linear.modes import Mode, find_modes
 from ltcgear.runtime.linear.naming import describe_modes, sum_by
 from ltcgear.runtime.linear.shape_figure import draw_shapes
 from ltcgear.runtime.linear.system import Linear, linearise
+from ltcgear.runtime.paper.lines import forced_name, printed_lines
 from ltcgear.runtime.precision.machine import describe_machine
-from ltcgear.runtime.spectra import name_line
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.builder import SceneBuilder
 from ltcgear.symbolic.model import Model
@@ -39,11 +38,6 @@ BEGIN, END = "<!-- {} -->\n", "<!-- end {} -->\n"
 STAGES, PLANETS, FEW, ROUNDS = 15, 12, 40, 5
 DRAWN = [1, 2, 3, 5, 10, 35]
 """Modes of the figure: one of each kind of motion."""
-NEAR = 0.01
-"""Relative distance at which a printed line counts as a harmonic or sideband: measured speeds are not exact."""
-
-HIGHEST = 5
-"""Highest order that counts: those of the slowest mesh would explain every line within ``NEAR``."""
 
 
 def long_train(stages: int, planets: int) -> Scene:
@@ -106,16 +100,7 @@ def lines(scene: Scene) -> dict[float, tuple[str, list[str]]]:
     turns = {
         name: abs(member["speed_rpm"]) / 60 for name, member in told["members"].items() if name.endswith(".carrier")
     }
-    found: dict[float, tuple[str, list[str]]] = {}
-    for row in published()["table8"]["rows"]:
-        for key in ("measured", "simulated"):
-            for value in row.get(key, []):
-                name = name_line(value, meshes, NEAR * value, turns)
-                if any(int(word) > HIGHEST for word in name.split() if word.isdigit()):
-                    name = ""
-                place = f"{key}, {row[f'{key}_position']}" if f"{key}_position" in row else key
-                found.setdefault(float(value), (name, []))[1].append(place)
-    return dict(sorted(found.items()))
+    return {value: (forced_name(value, meshes, turns), places) for value, places in printed_lines().items()}
 
 
 def line_table(scene: Scene, modes: list[Mode]) -> str:

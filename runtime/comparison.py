@@ -242,12 +242,12 @@ def named_lines(
 
 def _table9(dataset: xr.Dataset, start: float) -> Table:
     """Mesh forces [1e5 N] and load factors, one row for each component of each force."""
-    groups = _grouped_statistics(dataset, start)
+    groups = grouped_statistics(dataset, start)
     angles = pressure_angles(dataset)
     rows: list[tuple[Cell, ...]] = []
     for row in published()["table9"]["rows"]:
         group = row["meshes"]
-        rows += _force_rows(row, groups.get(group), _group_cosine(angles, group))
+        rows += _force_rows(row, groups.get(group), group_cosine(angles, group))
     columns = (
         "Position",
         "force",
@@ -287,7 +287,7 @@ def _force_rows(
     ]
 
 
-def _grouped_statistics(dataset: xr.Dataset, start: float) -> dict[str, dict[str, float]]:
+def grouped_statistics(dataset: xr.Dataset, start: float) -> dict[str, dict[str, float]]:
     """By mesh group: mean and amplitude [1e5 N], load factor [1]."""
     if "mesh_force" not in dataset:
         return {}
@@ -304,7 +304,7 @@ def _grouped_statistics(dataset: xr.Dataset, start: float) -> dict[str, dict[str
     }
 
 
-def _group_cosine(angles: dict[str, float], group: str) -> float | None:
+def group_cosine(angles: dict[str, float], group: str) -> float | None:
     """Cosine of a mesh group's mean pressure angle, or None when it is not known."""
     own = [angle for mesh, angle in angles.items() if group_of(mesh) == group]
     return math.cos(sum(own) / len(own)) if own else None

@@ -80,16 +80,22 @@ def paper_figures(dataset: xr.Dataset, directory: str | Path, fmt: str = "png") 
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for force in _FORCES:
-        figure = make_canvas(9.0, 4.2)
-        if _draw_forces(figure.add_subplot(), dataset, force):
-            paths.append(save_figure(figure, folder / f"figure{force.number:02d}.{fmt}"))
+    drawn = draw_paper_figures(dataset)
+    return [save_figure(figure, folder / f"figure{number:02d}.{fmt}") for number, figure in drawn.items()]
+
+
+def draw_paper_figures(dataset: xr.Dataset) -> dict[int, Figure]:
+    """Draw the counterparts of the paper's Figures 9 to 13, by number; one that the result cannot give is left out."""
+    drawn = {}
     for spectrum in _SPECTRA:
         figure = make_canvas(9.0, 4.6)
         if _draw_spectrum(figure.add_subplot(), dataset, spectrum):
-            paths.append(save_figure(figure, folder / f"figure{spectrum.number:02d}.{fmt}"))
-    return sorted(paths)
+            drawn[spectrum.number] = figure
+    for force in _FORCES:
+        figure = make_canvas(9.0, 4.2)
+        if _draw_forces(figure.add_subplot(), dataset, force):
+            drawn[force.number] = figure
+    return drawn
 
 
 def overview_figure(dataset: xr.Dataset, path: str | Path) -> Path:

@@ -24,7 +24,7 @@ def test_scenes(data, run):
     listed = data("scenes")["scenes"]
     assert [item["name"] for item in listed] == shipped_scenes()
     assert all(item["title"] for item in listed)
-    assert run("scenes")[1].count("rig-2mw") == 1
+    assert run("scenes")[1].count("rig-2mw ") == 1
 
 
 def test_effects(data, run):

@@ -41,6 +41,19 @@ def test_files(run, tmp_path):
         assert (tmp_path / name).stat().st_size > 10_000
 
 
+def test_extremes_and_their_order(run):
+    """A largest value lies above the mean and a smallest below; of a steady load, both follow the load most."""
+    value = {}
+    for measure in ("min", "mean", "max"):
+        code, out, err = run("sensitivity", "psh", *OUTPUT, "--measure", measure, "--json")
+        assert code == 0, err
+        item = json.loads(out)["items"][0]
+        value[measure] = item["value"]
+        torque = next(row for row in item["influences"] if row["parameter"] == "loads.output.torque")
+        assert torque["relative"] == pytest.approx(1.0, abs=0.05)
+    assert value["min"] < value["mean"] < value["max"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
@@ -50,7 +63,7 @@ def test_files(run, tmp_path):
         (("psh", "--output", "mesh_force:psh"), "nearest: psh.mesh"),
         (("psh", "--output", "force:psh.mesh"), "no such quantity; write QUANTITY:ITEM with one of"),
         (("psh", "--output", "mesh_phase:psh.mesh"), "grows with time"),
-        (("psh", *OUTPUT, "--measure", "max"), "--measure max: must be one of mean, rms, vibration"),
+        (("psh", *OUTPUT, "--measure", "peak"), "--measure peak: must be one of mean, rms, vibration, max, min"),
         (("psh", *OUTPUT, "--from", "0.02"), "--from 0.02: must be a time between 0 and the end of the run"),
         (("psh", *OUTPUT, "--rtol", "1"), "rtol 1: must lie between"),
         (("psh", *OUTPUT, "--method", "euler"), "euler"),

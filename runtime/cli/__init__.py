@@ -12,6 +12,7 @@ from . import (
     linear,
     measuring,
     reporting,
+    reproducing,
     resonance,
     results,
     running,
@@ -21,6 +22,18 @@ from . import (
 from .app import app, main
 
 __all__ = [
-    "analysing", "app", "describe", "influences", "linear", "main", "measuring", "reporting", "resonance", "results",
-    "running", "stability", "testing",
-]  # fmt: skip
+    "analysing",
+    "app",
+    "describe",
+    "influences",
+    "linear",
+    "main",
+    "measuring",
+    "reporting",
+    "reproducing",
+    "resonance",
+    "results",
+    "running",
+    "stability",
+    "testing",
+]

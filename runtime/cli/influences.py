@@ -30,7 +30,7 @@ OutputName = Annotated[
     ),
 ]
 Measure = Annotated[
-    str, typer.Option("--measure", help="mean, rms (about zero) or vibration (rms about the mean) of the output.")
+    str, typer.Option("--measure", help="mean, rms (about zero), vibration (rms about the mean), max or min.")
 ]
 First = Annotated[
     float | None, typer.Option("--from", help="First instant that counts [s].", show_default="half of the run")

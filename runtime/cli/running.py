@@ -1,4 +1,4 @@
-"""Commands that simulate: simulate, cost, paper."""
+"""Commands that simulate: simulate, cost."""
 
 import sys
 from pathlib import Path
@@ -9,7 +9,6 @@ from ltcgear.generated.errors import LtcgearError, SolverError
 
 from .. import present
 from ..options import (
-    SHORTEST_PAPER,
     Accuracy,
     AsJson,
     Changes,
@@ -18,10 +17,8 @@ from ..options import (
     FigureFile,
     Method,
     Oversample,
-    PaperEnd,
     RecordFile,
     ResultFile,
-    ResultFolder,
     Resume,
     SceneName,
     Tolerance,
@@ -55,10 +52,10 @@ def simulate(
     check_accuracy(accuracy, record, given)
     summary = run(scene, changes, output, t_end, method, rtol, oversample, resume, verify, accuracy, record)
     present.show(as_json, summary, present.simulated)
-    _finished(summary)
+    finished(summary)
 
 
-def _finished(summary: dict[str, Any]) -> None:
+def finished(summary: dict[str, Any]) -> None:
     """Stop with the reason, where a simulation did not reach its end."""
     status = summary["status"]
     if status != "done":
@@ -163,33 +160,3 @@ def cost(
     present.show(as_json, data, present.costs)
     if output is not None:
         draw_costs(data, output)
-
-
-@app.command()
-def paper(
-    output: ResultFolder = Path("out"),
-    t_end: PaperEnd = 4.0,
-    method: Method = "erk",
-    changes: Changes = None,
-    as_json: AsJson = False,
-) -> None:
-    """Simulate the paper's test rig. Sets its tables and figures beside the printed ones."""
-    from ..comparison import compare
-    from ..plots import overview_figure, paper_figures
-    from ..results import load, make_folder
-
-    if not t_end >= SHORTEST_PAPER:
-        raise LtcgearError(f"--t-end {t_end:g}: the paper's tables need {SHORTEST_PAPER} s at least")
-    make_folder(output)
-    file = output / "rig-2mw.nc"
-    summary = run("rig-2mw", changes, file, t_end, method, 1e-6, oversample=8)
-    _finished(summary)
-    dataset = load(file).dataset
-    tables = compare(dataset)
-    figures = [*paper_figures(dataset, output), overview_figure(dataset, output / "overview.png")]
-    data = {
-        **summary,
-        "tables": {name: table.to_json() for name, table in tables.items()},
-        "files": [str(file), *(str(figure) for figure in figures)],
-    }
-    present.show(as_json, data, lambda shown: present.paper_run(shown, tables))

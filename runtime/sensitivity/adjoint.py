@@ -1,4 +1,4 @@
-"""Adjoint: the derivative of a mean or RMS of a run with respect to all parameters, through jumps and regimes.
+"""Adjoint: the derivative of a mean, RMS or extreme of a run with respect to all parameters, through jumps and regimes.
 
 One run forwards, one backwards: with the adjoint of Cao, Li, Petzold and Serban (2003) the cost does not grow with
 the number of parameters.
@@ -20,6 +20,7 @@ from ..scaling import fastest
 from ..signals import Pairs
 from .backward import Backward, report_gradient, vibrating
 from .course import Course, Piece, follow_course
+from .extreme import Instant
 from .jumps import Jumps
 from .worth import Worth, find_worth
 
@@ -78,11 +79,19 @@ def differentiate_output(
         If the run or its adjoint cannot be followed: where motion grows so that derivatives say nothing.
     """
     course = follow_course(library, p, at, t_end=t_end, method=method, rtol=rtol, tables=tables)
+    return differentiate_course(course, output, measure=measure, start=start, rtol=rtol)
+
+
+def differentiate_course(course: Course, output: int, *, measure: str, start: float, rtol: float) -> OutputDerivative:
+    """Differentiate a measure of an output of a run that is known; see ``differentiate_output``."""
     worth = find_worth(course, output, measure, start)
     backward = Backward(course, output, rtol)
     jumps = Jumps(course, output)
-    _go_back(course, worth, backward, jumps, output)
-    gradient = backward.gradient + Balance(Gradients(library), p, at).pull_back(backward.adjoint)
+    if worth.instant is None:
+        _go_back(course, worth, backward, jumps, output)
+    else:
+        _go_back_from(course, worth.instant, backward, jumps)
+    gradient = backward.gradient + Balance(Gradients(course.library), course.p, course.at).pull_back(backward.adjoint)
     sided = jumps.one_sided(course.pieces[0])
     return OutputDerivative(
         worth.value, gradient, len(course.pieces), int(backward.state.steps), sided, _edges(course, worth)
@@ -90,9 +99,12 @@ def differentiate_output(
 
 
 def _edges(course: Course, worth: Worth) -> list[float]:
-    """Return the ends of the window on which a jump falls."""
+    """Return the ends of the window on which a jump falls, of an extreme only where it lies on one."""
     jumps = [piece.start + piece.duration for piece in course.pieces if piece.crossed.any()]
     ends = [worth.start, worth.end] if worth.start > 0 else [worth.end]
+    if worth.instant is not None:
+        at = course.pieces[worth.instant.piece].start + worth.instant.time
+        ends = [end for end in ends if abs(end - at) < EDGE * worth.end]
     return [end for end in ends if any(abs(end - jump) < EDGE * worth.end for jump in jumps)]
 
 
@@ -114,20 +126,61 @@ def _go_back(course: Course, worth: Worth, backward: Backward, jumps: Jumps, out
         after = piece
 
 
+def _go_back_from(course: Course, instant: Instant, backward: Backward, jumps: Jumps) -> None:
+    """Go back from the instant of an extreme to the start of the run."""
+    pieces = course.pieces[: instant.piece + 1]
+    last = pieces[-1]
+    rate = jumps.begin(backward, last, instant.time)
+    watch = _Growth(course, last.start + instant.time, float(np.linalg.norm(vibrating(course) * backward.adjoint)))
+    if instant.side == "end":
+        jumps.follow_end(backward, last, course.pieces[instant.piece + 1], rate)
+    if instant.time > INSTANT * last.duration:
+        backward.go_back(last, 0.0, instant.time, 0.0, 0.0)
+    after, shifted = last, rate if instant.side == "start" else 0.0
+    for piece in reversed(pieces[:-1]):
+        jumps.go_back(backward, piece, after, 0.0, 0.0, shifted)
+        backward.go_back(piece, 0.0, piece.duration, 0.0, 0.0)
+        watch.look(backward, piece)
+        after, shifted = piece, 0.0
+
+
 class _Watch:
     """Sees to it that the adjoint does not outgrow what has gone into it."""
 
     def __init__(self, course: Course, worth: Worth, output: int) -> None:
-        self.course, self.worth, self.size = course, worth, vibrating(course)
-        self.speed = fastest(course.library, course.at, course.p)
+        self.course, self.worth, self.growth = course, worth, _Growth(course, worth.end, 0.0)
         self.source = Kernel(report_gradient(course.library, output))
-        self.given = 0.0
 
     def look(self, backward: Backward, piece: Piece) -> None:
         """Refuse an adjoint that has outgrown its sources: whatever moves a little moves everything then."""
-        past = self.worth.end - piece.start
         if piece.start + piece.duration > self.worth.start:
-            self.given += piece.duration * max(self._given(piece, place) for place in (0, len(piece.x) // 2, -1))
+            given = max(self._given(piece, place) for place in (0, len(piece.x) // 2, -1))
+            self.growth.given += piece.duration * given
+        self.growth.look(backward, piece)
+
+    def _given(self, piece: Piece, place: int) -> float:
+        """Return the size of the adjoint's source at a node."""
+        s = piece.s_at(float(self.course.nodes.points[place]) * piece.duration)
+        of_x = self.source(piece.x[place], s, piece.p, (self.worth.a, self.worth.b))[0]
+        return float(np.linalg.norm(self.growth.size * of_x))
+
+
+class _Growth:
+    """What has gone into an adjoint, and whether it has outgrown that.
+
+    Parameters
+    ----------
+    course, end, given
+        The run, the last instant that counts [s], and the size of what the adjoint begins with.
+    """
+
+    def __init__(self, course: Course, end: float, given: float) -> None:
+        self.end, self.given, self.size = end, given, vibrating(course)
+        self.speed = fastest(course.library, course.at, course.p)
+
+    def look(self, backward: Backward, piece: Piece) -> None:
+        """Refuse an adjoint that has outgrown its sources: whatever moves a little moves everything then."""
+        past = self.end - piece.start
         reached = float(np.linalg.norm(self.size * backward.adjoint))
         growth = reached / max(self.given * (1 + self.speed * past), 1e-300)
         if growth > GROWTH:
@@ -136,9 +189,3 @@ class _Watch:
                 "beyond what a regular motion makes of it: it grows or is chaotic, and derivatives of it say nothing; "
                 "simulate less time (--t-end), or take a load or speed at which the motion is regular"
             )
-
-    def _given(self, piece: Piece, place: int) -> float:
-        """Return the size of the adjoint's source at a node."""
-        s = piece.s_at(float(self.course.nodes.points[place]) * piece.duration)
-        of_x = self.source(piece.x[place], s, piece.p, (self.worth.a, self.worth.b))[0]
-        return float(np.linalg.norm(self.size * of_x))

@@ -34,18 +34,48 @@ class Jumps:
     """
 
     def __init__(self, course: Course, output: int) -> None:
-        self.library, self.output = course.library, output
+        self.course, self.library, self.output = course, course.library, output
         manifest = course.library.manifest
         self.names = [name for name, _ in manifest.parameters]
         self.holds = [self.names.index(hold) for hold in manifest.holds]
         self.levels = len(manifest.levels)
         self.rhs, self.outputs = (Kernel(course.library.functions[name]) for name in ("rhs", "outputs"))
         self.phases = Kernel(course.library.functions["phases"])
-        self.phase = _gradient(course.library, "phases", (0, 2))
-        self.border = _gradient(course.library, "borders", (0,))
+        self.phase = gradient_of(course.library, "phases", (0, 2))
+        self.border = gradient_of(course.library, "borders", (0,))
+        self.output_gradient = gradient_of(course.library, "outputs", (0,))
 
-    def go_back(self, backward: Backward, before: Piece, after: Piece, a: float, b: float) -> None:
+    def begin(self, backward: Backward, piece: Piece, time: float) -> float:
+        """Let adjoint and gradient begin with the output at a time after a piece's start; return its rate [1/s]."""
+        weights = np.zeros(len(self.library.manifest.reports))
+        weights[self.output] = 1.0
+        x = (self.course.nodes.matrix(np.array([time / piece.duration])) @ piece.x)[0]
+        s = piece.s_at(time)
+        of_x, of_s, of_p = (part.copy() for part in self.output_gradient(x, s, piece.p, weights))
+        backward.adjoint[:], backward.gradient[:] = of_x, of_p
+        return float(of_x @ self.rhs(x, s, piece.p)[0] + of_s @ self._drift(piece))
+
+    def follow_end(self, backward: Backward, before: Piece, after: Piece, rate: float) -> None:
+        """Add what it is worth that an output is looked at where a piece ends, and changes at a rate [1/s] there.
+
+        Raises
+        ------
+        SolverError
+            If a border is only touched: then the instant has no derivative.
+        """
+        x, s, p = before.x[-1], before.s_at(before.duration), before.p
+        for (h_x, h_s, h_p), _, _ in self._steps(before, after, (s, p)):
+            approach = self._approach(before, float(h_x @ self.rhs(x, s, p)[0] + h_s @ self._drift(before)))
+            backward.adjoint[:] -= rate / approach * h_x
+            backward.gradient[:] -= rate / approach * h_p
+            return
+
+    def go_back(
+        self, backward: Backward, before: Piece, after: Piece, a: float, b: float, shifted: float = 0.0
+    ) -> None:  # fmt: skip
         """Take adjoint and gradient from after the end of a piece to before it.
+
+        ``shifted`` is the rate of an output that is looked at just after the last change [1/s].
 
         Raises
         ------
@@ -54,20 +84,28 @@ class Jumps:
         """
         x, s, p = before.x[-1], before.s_at(before.duration), before.p
         f = np.array(self.rhs(x, s, p)[0])
-        rate_s = np.concatenate([np.zeros(self.levels), before.slope])
         steps = list(self._steps(before, after, (s, p)))
         for (h_x, h_s, h_p), one, two in reversed(steps):
             lost = self._gained(backward.adjoint, x, one, a, b) - self._gained(backward.adjoint, x, two, a, b)
-            approach = float(h_x @ f + h_s @ rate_s)
+            lost, shifted = lost + shifted, 0.0
             if lost == 0.0:
                 continue
-            if approach == 0.0:
-                raise SolverError(
-                    f"at t = {before.start + before.duration:.6g} s the motion only touches a border, so that nothing "
-                    "says how its instant moves; change the load or the speed a little, or end before it"
-                )
+            approach = self._approach(before, float(h_x @ f + h_s @ self._drift(before)))
             backward.adjoint[:] -= lost / approach * h_x
             backward.gradient[:] -= lost / approach * h_p
+
+    def _drift(self, piece: Piece) -> Vector:
+        """Return the rates of levels and signals within a piece [1/s]."""
+        return np.concatenate([np.zeros(self.levels), piece.slope])
+
+    def _approach(self, piece: Piece, rate: float) -> float:
+        """Return the rate at which a border is crossed at the end of a piece; it must not be zero."""
+        if rate == 0.0:
+            raise SolverError(
+                f"at t = {piece.start + piece.duration:.6g} s the motion only touches a border, so that nothing "
+                "says how its instant moves; change the load or the speed a little, or end before it"
+            )
+        return rate
 
     def one_sided(self, first: Piece) -> list[str]:
         """Name the parameters that move a mesh phase off the border where it starts.
@@ -135,7 +173,7 @@ class Jumps:
         return p
 
 
-def _gradient(library: Library, name: str, results: tuple[int, ...]) -> Kernel:
+def gradient_of(library: Library, name: str, results: tuple[int, ...]) -> Kernel:
     """Return the gradients of a weighted sum of a function's results with respect to x, s and p."""
     graph = library.graphs[name]
     point = [ca.SX.sym(graph.name_in(i), graph.sparsity_in(i)) for i in range(graph.n_in())]

@@ -1,4 +1,4 @@
-"""Worth: a mean or RMS of an output over a window of time, and what a change of the output is worth to it."""
+"""Worth: a mean, RMS or extreme of an output over a window, and what a change of the output is worth to it."""
 
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from ..batch import Batch
 from ..nodes import Chebyshev
 from .course import Course, Piece
+from .extreme import SIGNS, Instant, find_extreme
 
 Vector = NDArray[np.float64]
-MEASURES = ("mean", "rms", "vibration")
-"""Mean; root mean square about zero; root mean square about the mean."""
+MEASURES = ("mean", "rms", "vibration", *SIGNS)
+"""Mean; root mean square about zero; root mean square about the mean; largest and smallest value."""
 UNBOUNDED = ("mesh_phase",)
 """Outputs that grow with time, whose mean says nothing."""
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
@@ -26,7 +27,7 @@ EXACT, STILL = 1e-11, 1e-12
 
 @dataclass(frozen=True)
 class Worth:
-    """A measure of an output y, and its derivative: dJ = integral of (a + b y) dy dt over the window.
+    """A measure of an output y, and its derivative: dJ = integral of (a + b y) dy dt over the window, or dy at once.
 
     Attributes
     ----------
@@ -36,6 +37,8 @@ class Worth:
         Weights [1/s over the unit of y] where J is linear in y, and what adds to them.
     start, end
         The window [s].
+    instant
+        Where the extreme lies whose dy is all that counts; None for what is an integral.
     """
 
     value: float
@@ -43,6 +46,7 @@ class Worth:
     b: float
     start: float
     end: float
+    instant: Instant | None = None
 
 
 def find_output(manifest: Manifest, wanted: str) -> int:
@@ -84,6 +88,9 @@ def find_worth(course: Course, output: int, measure: str, start: float) -> Worth
         If the output does not vary, where its vibration is asked for: that has no derivative there.
     """
     end = course.pieces[-1].start + course.pieces[-1].duration
+    if measure in SIGNS:
+        extreme, instant = find_extreme(course, output, measure, start)
+        return Worth(extreme, 0.0, 0.0, start, end, instant)
     rows = [_values(course, Batch(course.library, "outputs"), piece, output, start) for piece in course.pieces]
     y, weights = (np.concatenate(parts) for parts in zip(*rows, strict=True))
     share = 1 / (end - start)

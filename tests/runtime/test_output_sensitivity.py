@@ -93,6 +93,26 @@ def difference(c, i, h, *run, sides=(1, -1)):
             ("backlash", "transmission_error_cos_1", "reference.speed", "output.inertia", "mesh.damping"), 1e-7,
         ),
         (
+            "psh", (), ("mesh_force:psh.mesh", "max", 0.01, 0.03),
+            ("mesh.single_share", "reference.speed", "mesh.stiffness_double", "output.inertia", "output.torque"), 1e-5,
+        ),
+        (
+            "psh", SMOOTH, ("mesh_force:psh.mesh", "min", 0.005, 0.02),
+            ("mesh.single_share", "mesh.transition", "reference.speed", "mesh.stiffness_single"), 1e-4,
+        ),
+        (
+            "lsp", (), ("mesh_force:lsp.sun_planet.2", "min", 0.01, 0.03),
+            ("sun_planet.single_share", "sun_planet.stiffness_double", "reference.speed", "planet.mass"), 1e-5,
+        ),
+        (
+            "lsp", (), ("pin_force_x:lsp.pin.1", "max", 0.01, 0.03),
+            ("sun_planet.single_share", "sun_planet.stiffness_double", "reference.speed", "planet.mass"), 1e-5,
+        ),
+        (
+            "hard-dead-band", HAMMERING, ("mesh_force:pair.mesh", "max", 0.005, 0.012),
+            ("backlash", "transmission_error_cos_1", "reference.speed", "output.inertia", "mesh.stiffness"), 1e-7,
+        ),
+        (
             "start-up", (), ("coupling_torque:slow", "rms", 0.1, 0.14),
             ("breakdown_torque", "slow.stiffness", "generator.inertia", "slow.damping"), 1e-4,
         ),
@@ -111,6 +131,24 @@ def test_derivatives_are_those_of_differences(name, settings, run, chosen, step)
         error = abs(found.gradient[i] - expected)
         parameter = c.library.manifest.parameters[i][0]
         assert error <= EXACT * abs(expected) + SMALL * found.value / size, (parameter, found.gradient[i], expected)
+
+
+@pytest.mark.parametrize(
+    ("measure", "mesh", "side"),
+    [("max", "sun_planet.1", "start"), ("max", "ring_planet.1", "inside"), ("min", "ring_planet.1", "end")],
+)
+def test_extremes_are_found_beside_jumps_and_between(measure, mesh, side):
+    """A force jumps up with its own stiffness, and bends where another's jumps."""
+    c = case("lsp")
+    course = follow_course(c.library, c.p, c.at, t_end=0.03, method="erk", rtol=1e-9)
+    place = find_output(c.library.manifest, f"mesh_force:lsp.{mesh}")
+    worth = find_worth(course, place, measure, 0.01)
+    assert worth.instant.side == side
+    path = c.run(method="erk", rtol=1e-9, t_end=0.03, rate=5e5)
+    y = c.quantity("mesh_force", path.x, path.levels)[f"lsp.{mesh}"][path.time >= 0.01]
+    seen = y.max() if measure == "max" else y.min()
+    assert worth.value == pytest.approx(seen, rel=1e-4)
+    assert (worth.value - seen) * (1 if measure == "max" else -1) > -1e-9 * abs(seen)
 
 
 def test_a_phase_on_its_border_has_the_derivative_of_one_that_has_gone_on():

@@ -1,0 +1,118 @@
+"""The command that reproduces the paper: paper."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from ltcgear.generated.errors import LtcgearError
+
+from .. import present
+from ..options import SHORTEST_PAPER, AsJson, Changes, Method, PaperEnd, ResultFolder
+from . import running
+from .app import app
+from .linear import open_linear
+from .opening import compile_model, open_scene
+
+if TYPE_CHECKING:
+    from ..linear.modes import Mode
+    from ..linear.system import Linear
+    from ..results import Result
+
+Quick = Annotated[
+    bool, typer.Option("--quick", help="The rig as assumed only: tables and figures, no page and no fitted rig.")
+]
+RIGS = {"assumed": "rig-2mw", "fitted": "rig-2mw-fitted"}
+FLOATING = {"sun floats": "floating-on", "sun on a stiff bearing": "floating-off"}
+STEP, STEP_END, HALF, WHOLE = 0.5, 2.5, "-5.3e3 N*m", "-1.06e4 N*m"
+
+
+@app.command()
+def paper(
+    output: ResultFolder = Path("out"),
+    t_end: PaperEnd = 4.0,
+    method: Method = "erk",
+    quick: Quick = False,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Reproduce the paper: its tables and figures beside the simulated ones, on one page (paper.html)."""
+    from ..comparison import compare
+    from ..paper.page import check_page
+    from ..plots import overview_figure, paper_figures
+    from ..results import load, make_folder
+
+    if not t_end >= SHORTEST_PAPER:
+        raise LtcgearError(f"--t-end {t_end:g}: the paper's tables need {SHORTEST_PAPER} s at least")
+    if not quick:
+        check_page()
+    make_folder(output)
+    rigs = {"assumed": RIGS["assumed"]} if quick else RIGS
+    summaries, results = {}, {}
+    for rig, scene in rigs.items():
+        file = output / f"{scene}.nc"
+        summaries[rig] = running.run(scene, changes, file, t_end, method, 1e-6, oversample=8)
+        running.finished(summaries[rig])
+        results[rig] = load(file)
+    dataset = results["assumed"].dataset
+    tables = compare(dataset)
+    figures = [*paper_figures(dataset, output), overview_figure(dataset, output / "overview.png")]
+    pages = [] if quick else [_write_page(results, changes, output / "paper.html")]
+    data = {
+        **summaries["assumed"],
+        "tables": {name: table.to_json() for name, table in tables.items()},
+        "files": [*(str(output / f"{scene}.nc") for scene in rigs.values()), *map(str, [*figures, *pages])],
+    }
+    present.show(as_json, data, lambda shown: present.paper_run(shown, tables))
+
+
+def _write_page(results: Mapping[str, "Result"], changes: list[str] | None, path: Path) -> Path:
+    """Compute what the page shows beside the long runs, and write it."""
+    from ..paper.page import Material, write_page
+
+    linears = {rig: _linear(scene, changes) for rig, scene in RIGS.items()}
+    material = Material(
+        datasets={rig: result.dataset for rig, result in results.items()},
+        linears={rig: linear for rig, (linear, _) in linears.items()},
+        modes={rig: modes for rig, (_, modes) in linears.items()},
+        transient=_transient(changes),
+        step_s=STEP,
+        shares={name: _shares(scene) for name, scene in FLOATING.items()},
+    )
+    return write_page(material, path)
+
+
+def _linear(scene: str, changes: list[str] | None) -> tuple["Linear", list["Mode"]]:
+    """Linearise a rig at its loaded equilibrium and find its modes."""
+    from ..linear.modes import find_modes
+    from ..linear.naming import describe_modes
+
+    linear = open_linear(open_scene(scene, changes))
+    return linear, describe_modes(linear, find_modes(linear))
+
+
+def _transient(changes: list[str] | None) -> Any:  # noqa: ANN401
+    """Simulate the rig while its load steps from a half to the whole; return the data."""
+    rows = [["0 s", HALF], [f"{STEP} s", HALF], [f"{STEP + 1e-3} s", WHOLE], [f"{STEP_END} s", WHOLE]]
+    step = f"loads.generator={{ member = 'generator', torque_over_time = {rows} }}"
+    return _simulate("rig-2mw", [*(changes or []), step], STEP_END).dataset
+
+
+def _shares(scene: str) -> list[float]:
+    """Return each planet's mean force at the sun over that of all."""
+    forces = _simulate(scene, None, 1.0).summary["forces"]
+    means = [abs(value["mean"]) for name, value in forces.items() if ".sun_planet." in name]
+    return [mean * len(means) / sum(means) for mean in means]
+
+
+def _simulate(scene: str, changes: list[str] | None, t_end: float) -> "Result":
+    """Simulate a scene in memory."""
+    from ..simulation import simulate
+
+    opened = open_scene(scene, changes)
+    result = simulate(
+        compile_model(opened), opened.model.values(), t_end=t_end, rate=opened.scene.simulation.rate,
+        tables=opened.model.tables,
+    )  # fmt: skip
+    running.finished(result.summary)
+    return result
