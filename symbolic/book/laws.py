@@ -91,10 +91,16 @@ def write_law(key: Key) -> Law:
     steps = list_steps(key, element)
     reports = [output.expression for output in element.outputs.values()]
     folded = fold([element.potential, element.dissipation, *element.wrench, *reports], steps)
-    gradient = tuple(map(_brief, forces(element))) if element.gradient else (None,) * len(element.wrench)
+    gradient = _gradient(element, steps, folded) if element.gradient else (None,) * len(element.wrench)
     return Law(key, title(key), element, folded, gradient)
 
 
-def _brief(expression: sp.Expr) -> sp.Expr | None:
-    """Return an expression that is short enough to be read, else None."""
-    return expression if sp.count_ops(expression) <= SHORT else None
+def _gradient(element: Element, steps: list[Step], folded: Folded) -> tuple[sp.Expr | None, ...]:
+    """Return what the energies give, in the names of the law; None where that is too long to read."""
+    raw = forces(element)
+    known = {*element.arguments, *(step.symbol for step in folded.steps)}
+    short = (
+        named if named.free_symbols <= known else plain
+        for plain, named in zip(raw, fold(raw, steps).expressions, strict=True)
+    )
+    return tuple(expression if sp.count_ops(expression) <= SHORT else None for expression in short)

@@ -149,6 +149,7 @@ _MOTION: dict[str, Letter] = {
     "tooth": ("i", "number of the tooth"),
     "teeth": ("Z", "teeth of the gear"),
     "value": ("e_{c}", "constant part"),
+    "W": (r"\mathbf{W}", "wrench: force and torque"),
     "zeta": (r"\zeta", "variable of integration"),
     "q_1": ("q_{1}", "phase from the middle of single contact, wrapped"),
     "q_2": ("q_{2}", "phase from the middle of double contact, wrapped"),

@@ -1,7 +1,7 @@
 r"""SymPy -> TeX: expressions in the letters of the one table, and long sums broken into lines.
 
 A symbol's name may carry a tag: ``x@lsp.sun`` is the x of a body, ``k#3`` the k of element 3; they are written
-:math:`x_\mathrm{lsp.sun}` and :math:`k^{(3)}`.
+:math:`x_\text{lsp.sun}` and :math:`k^{(3)}`.
 """
 
 import re
@@ -21,7 +21,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     """TeX of expressions; a symbol without a letter is an error, so that none is printed by its program name."""
 
     def __init__(self, letters: Mapping[str, Letter] = LETTERS, order: str | None = None) -> None:
-        super().__init__({"order": order, "mul_symbol": r"\,", "parenthesize_super": True})
+        super().__init__({"order": order, "mul_symbol": r"\,", "parenthesize_super": True, "ln_notation": True})
         self.letters = letters
 
     def _print_Symbol(self, expr: sp.Symbol, style: str = "plain") -> str:  # noqa: N802
@@ -119,7 +119,7 @@ def write_name(name: str, letters: Mapping[str, Letter] = LETTERS) -> str:
     tex = letters[base][0]
     if mark == "#":
         return f"{tex}^{{({tag})}}"
-    return tex if not mark else add_subscript(tex, rf"\mathrm{{{escape(tag)}}}")
+    return tex if not mark else add_subscript(tex, rf"\text{{{escape(tag)}}}")
 
 
 def add_subscript(tex: str, more: str) -> str:
@@ -161,16 +161,20 @@ def break_sum(left: str, expression: Any, letters: Mapping[str, Letter] = LETTER
     """
     whole = sp.sympify(expression)
     terms = [typeset(term, letters) for term in (whole.as_ordered_terms() if whole.is_Add else [whole])]
-    return fill_lines(left, sorted(terms, key=lambda term: term.startswith("-")))
+    return fill_lines([f"{left} =", *signed(sorted(terms, key=lambda term: term.startswith("-")))])
 
 
-def fill_lines(left: str, terms: Sequence[str]) -> tuple[str, ...]:
-    """Lay signed terms out in lines of bounded length."""
-    lines, line = [], f"{left} ="
-    for i, tex in enumerate(terms):
-        sign, tex = ("-", tex[1:].lstrip()) if tex.startswith("-") else ("+", tex)
-        piece = tex if i == 0 and sign == "+" else f"{sign} {tex}"
-        if i and visible(line) + visible(piece) > WIDTH:
+def signed(terms: Sequence[str]) -> list[str]:
+    """Return the terms of a sum with their signs, but for a plus at its head."""
+    told = [f"- {t[1:].lstrip()}" if t.startswith("-") else f"+ {t}" for t in terms]
+    return [told[0].removeprefix("+ "), *told[1:]] if told else ["0"]
+
+
+def fill_lines(pieces: Sequence[str]) -> tuple[str, ...]:
+    """Lay pieces out in lines of bounded length; the first two stay together."""
+    lines, line = [], " ".join(pieces[:2])
+    for piece in pieces[2:]:
+        if visible(line) + visible(piece) > WIDTH:
             lines.append(line)
             line = piece
         else:
