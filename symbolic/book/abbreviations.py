@@ -22,9 +22,8 @@ from ..elements.bearing import (
 )
 from ..elements.clearance import Race
 from ..elements.contact import Rest, Switch
-from ..elements.mesh import ERROR, ERROR_RATE, GAP, ONE, TWO, Geometry, approach, deflection, geometry, torsional_law
+from ..elements.mesh import ERROR, ERROR_RATE, GAP, ONE, TWO, Geometry, S, approach, deflection, geometry, torsional_law
 from ..elements.mesh_friction import sliding_speed
-from ..elements.mesh_sliding import S
 from ..elements.tooth_pairs import PHASE, SHARE, Wrapped, tooth_pairs
 from ..elements.torsion import OMEGA_B, OMEGA_S
 from .folding import Step

@@ -13,7 +13,7 @@ from ..elements.base import real
 from ..frames import FrameMotion
 from ..model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, Body, Instance, Model, Profile
 from . import waves
-from .laws import COMPONENTS, Law, write_law
+from .laws import Law, write_law
 from .motion import Assignment, Leaf, Motion, rotated
 
 
@@ -203,8 +203,9 @@ class _Writing(Motion):
         self.force: dict[str, tuple[sp.Expr, ...]] = {}
         order = sorted(self.bodies.values(), key=self._depth, reverse=True)
         for body in order:
-            fx, fy = (self.name(f"{c}@{body.name}", totals[body.name][i], body.name) for i, c in enumerate(("F_x", "F_y")))
-            torque = totals[body.name][2]
+            along, across, torque = totals[body.name]
+            fx = self.name(f"F_x@{body.name}", along, body.name)
+            fy = self.name(f"F_y@{body.name}", across, body.name)
             if body.seat is not None:
                 ax, ay = self.arm(body)
                 for i, value in enumerate((fx, fy, ax * fy - ay * fx)):
@@ -221,7 +222,8 @@ class _Writing(Motion):
             if body.moment is not None:
                 sx, sy = self._moment(body)
                 fx, fy, _ = self.force[body.name]
-                totals[body.leader or body.name][2] += (sy * fx - sx * fy) / self.number(f"m@{body.name}", body.mass or "")
+                mass = self.number(f"m@{body.name}", body.mass or "")
+                totals[body.leader or body.name][2] += (sy * fx - sx * fy) / mass
         for body in self.model.bodies:
             if body.leader is None:
                 torque = self.name(f"T@{body.name}", totals[body.name][2], body.name)
@@ -300,6 +302,3 @@ class _Writing(Motion):
             self.named |= {n: self.name(n, v, body.name) for n, v in zip(names, (speed, spin), strict=True)}
         turn, turn_d = (self.named[name] for name in names)
         return fx + turn**2 * sx + turn_d * sy, fy + turn**2 * sy - turn_d * sx
-
-
-__all__ = ["COMPONENTS", "Assembly", "assemble", "list_terms"]

@@ -7,6 +7,7 @@ from ..frames import FrameMotion
 from ..model import Body, Model
 from ..variants import freedoms
 from .assembly import Assembly, assemble, list_terms
+from .chapter_laws import in_places
 from .content import Chapter, Maths, Part
 from .motion import Assignment
 from .notation import break_sum, fill_lines, signed, typeset, write_name
@@ -29,10 +30,11 @@ def _body_law(chapter: Chapter, model: Model) -> None:
     chapter.head("A body in its frame", "body-law")
     chapter.say(
         "Newton's and Euler's laws in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"),
-        ": force, Coriolis, centrifugal and Euler acceleration. The kinetic energy gives the same, which the first check proves.",
+        ": force, Coriolis, centrifugal and Euler acceleration. The kinetic energy gives the same, "
+        "which one of the checks proves.",
     )  # fmt: skip
     for axis, value in zip(("x", "y", "u"), FrameMotion.symbols().newton(), strict=True):
-        chapter.equate(break_sum(rf"\ddot{{{axis}}}", value))
+        chapter.equate(break_sum(rf"\ddot{{{axis}}}", in_places(value)))
     lead = next((body.name for body in model.bodies if body.turning == "reference"), None)
     if lead is not None:
         chapter.equate(break_sum(r"\ddot{\varphi}", real("T") / real("I")), f"torque and inertia are those of {lead}")
@@ -50,8 +52,8 @@ def _sums(chapter: Chapter, model: Model) -> None:
     """Write for every body what acts on it."""
     chapter.head("What acts on each body", "sums")
     chapter.say(
-        Maths(r"\mathbf{W}_{j}^{(n)}"), " is the wrench, force and torque, of element n on its body j; the law of the element "
-        "tells it. Bodies without a coordinate are held: their sum is what the housing or the drive takes.",
+        Maths(r"\mathbf{W}_{j}^{(n)}"), " is the wrench, force and torque, of element n on its body j; the law of the "
+        "element tells it. Bodies without a coordinate are held: their sum is what the housing or the drive takes.",
     )  # fmt: skip
     for name, terms in list_terms(model).items():
         pieces = signed([rf"\mathbf{{W}}_{{{port}}}^{{({number})}}" for number, port in terms])
@@ -87,7 +89,9 @@ def _joints(chapter: Chapter, model: Model) -> None:
         chapter.equate(break_sum("T", ax * fy - ay * fx), "and the arm is that of the chapter on coordinates")
     if led:
         chapter.head("Shared angles", "leaders")
-        chapter.say("The torque on a body that shares the angle of another counts for that one, whose inertia is that of all.")
+        chapter.say(
+            "The torque on a body that shares the angle of another counts for that one, whose inertia is that of all."
+        )
     chapter.tabulate(
         ("body", "sits on", "turns with"),
         [(body.name, body.seat or "", body.leader or "") for body in model.bodies if body.seat or body.leader],
@@ -101,7 +105,7 @@ def _offset(chapter: Chapter) -> None:
     fx, fy, sx, sy, m, inertia = map(real, ("F_x", "F_y", "s_x", "s_y", "m", "I"))
     turn, turn_d = real("Omega"), real("Omega_d")
     chapter.head("Centre of mass beside the centre", "offset")
-    chapter.say("With mass times offset ", Maths(r"\mathbf{s}"), ", forces, torque and inertia in the law of a body become")
+    chapter.say("With mass times offset ", Maths(r"\mathbf{s}"), ", what stands in the law of a body becomes")
     chapter.equate(break_sum(r"F_{x}^{\text{all}}", fx + turn**2 * sx + turn_d * sy))
     chapter.equate(break_sum(r"F_{y}^{\text{all}}", fy + turn**2 * sy - turn_d * sx))
     chapter.equate(break_sum(r"T^{\text{all}}", real("T") + (sy * fx - sx * fy) / m))

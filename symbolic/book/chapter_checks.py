@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Sequence
 
 from ..checks.base import Check
-from .content import Chapter, Mark
-from .paper_rows import PrintedRow
+from .content import Chapter, Mark, Maths
+from .paper_rows import PrintedRow, write_paper_name
 
 KINDS = {"agrees": "good", "first-order": "fair", "misprint": "bad"}
 
@@ -32,23 +32,27 @@ def write_paper(chapter: Chapter, rows: Sequence[PrintedRow]) -> None:
     found = Counter(row.verdict.verdict for row in rows)
     chapter.say(
         "Wu, Zhou, Jiang and Chen, Applied Sciences 2021, 11, 6876, in its own letters; one planet stands for the sum. "
-        f"{found['agrees']} rows agree with the derivation, {found['first-order']} to first order in the deflection and in "
-        f"the change of centre distance, and {found['misprint']} are misprints, which the fewest corrections put right."
+        f"{found['agrees']} rows agree with the derivation, {found['first-order']} to first order in the deflection and "
+        f"in the change of centre distance, and {found['misprint']} are misprints. Each is shown as it is printed and, "
+        "where that differs, as it is derived: with the fewest corrections that put it right."
     )
+    last = 0
     for row in rows:
         verdict = row.verdict
-        name = f"eq {verdict.equation}, {verdict.row}"
-        chapter.head(f"Equation ({verdict.equation}), row {verdict.row}", f"paper-{verdict.equation}-{verdict.row}")
-        chapter.say(Mark(verdict.verdict, KINDS[verdict.verdict]), f": {verdict.why}" if verdict.why else "")
-        chapter.equate(row.printed, f"{name}, as printed")
+        if verdict.equation != last:
+            chapter.head(f"Equation ({verdict.equation})", f"paper-{verdict.equation}")
+            last = verdict.equation
+        name, why = Maths(write_paper_name(verdict.row)), f": {verdict.why}" if verdict.why else ""
+        chapter.say(Mark(verdict.verdict, KINDS[verdict.verdict]), ", row ", name, why)
+        chapter.equate(row.printed, name, " as printed")
         if row.derived != row.printed:
-            chapter.equate(row.derived, f"{name}, as derived")
+            chapter.equate(row.derived, name, " as derived")
 
 
 def write_identity(chapter: Chapter, identity: dict[str, str]) -> None:
     """Write what ties the book to the C."""
     chapter.say(
-        "The C of this scene is kept under the key, which is made of the model's structure, the source text of the equations "
-        "and the versions at work; the digest is that of the C itself. The same key gives the same equations."
+        "The C of this scene is kept under the key, which is made of the model's structure, the source text of the "
+        "equations and the versions at work; the digest is that of the C itself. The same key gives the same equations."
     )
     chapter.tabulate(("what", "value"), list(identity.items()))

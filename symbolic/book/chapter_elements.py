@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterator
 
 from ..elements.base import real
-from ..model import Instance, Model
+from ..model import Instance, Level, Model, Phase
 from . import waves
-from .chapter_laws import law_anchor
+from .chapter_laws import law_anchor, write_unit
 from .content import Chapter, Link, Maths, Part, Text
 from .laws import write_law
 from .notation import break_sum, typeset
@@ -24,7 +24,8 @@ def write_elements(chapter: Chapter, model: Model) -> None:
     rows = [_instance_row(numbers, group) for numbers, group in _grouped(model)]
     chapter.tabulate(("no.", "element", "law", "bodies 1, 2, 3", "parameters"), rows)
     chapter.head("Values of the parameters", "values")
-    chapter.tabulate(("parameter", "value", "unit"), [(p.name, f"{p.value:.9g}", p.unit or "1") for p in model.parameters])
+    values = [(p.name, f"{p.value:.9g}", write_unit(p.unit)) for p in model.parameters]
+    chapter.tabulate(("parameter", "value", "unit"), values)
 
 
 def _grouped(model: Model) -> Iterator[tuple[range, list[Instance]]]:
@@ -61,22 +62,19 @@ def _instance_row(numbers: range, group: list[Instance]) -> Row:
     told = ", ".join(map(str, numbers)) if len(numbers) <= 3 else f"{numbers[0]}, {numbers[1]}, ... {numbers[-1]}"
     bodies = ", ".join(_general(body) if several else body for body in first.bodies)
     parameters: list[Part] = []
-    for key, bound in first.bind.items():
-        parameters += [", "] * bool(parameters)
-        parameters += [Maths(typeset(_symbol(law.element.parameters, key), law.letters)), " = ", _told(_general(bound) if several else bound)]
-    return told, f"{name}, i = 1 to {len(group)}" if several else name, Link(law.title, law_anchor(law)), bodies, tuple(parameters)
-
-
-def _symbol(parameters: object, key: str) -> object:
-    """Return the parameter of a name."""
-    return next((symbol for symbol in parameters if symbol.name == key), real(key))  # type: ignore[attr-defined]
+    for symbol in law.element.parameters:
+        bound = _general(first.bind[symbol.name]) if several else first.bind[symbol.name]
+        parameters += [", "] * bool(parameters) + [Maths(typeset(symbol, law.letters)), f" = {_told(bound)}"]
+    label = f"{name}, i = 1 to {len(group)}" if several else name
+    return told, label, Link(law.title, law_anchor(law)), bodies, tuple(parameters)
 
 
 def _told(bound: str) -> str:
     """Say what a parameter is bound to."""
     return {
-        "@level": "level of the mesh", "@turn": "0 in the frame", "@basis": "angle of the frame", "@phase": "phase of the mesh",
-        "@stiffness": "stiffness at the phase", "@slope": "its slope", "@error": "error at the phase", "@error_rate": "its rate",
+        "@level": "level of the mesh", "@turn": "0 in the frame", "@basis": "angle of the frame",
+        "@phase": "phase of the mesh", "@stiffness": "stiffness at the phase", "@slope": "its slope",
+        "@error": "error at the phase", "@error_rate": "its rate",
     }.get(bound, bound)  # fmt: skip
 
 
@@ -93,25 +91,30 @@ def write_meshes(chapter: Chapter, model: Model) -> None:
         _wave(chapter, model, kind)
     if model.signals:
         chapter.head("Loads over time", "signals")
-        chapter.say("These follow tables, linear between two rows and constant beyond their ends; every row ends a segment of the integration.")
-        chapter.tabulate(("signal", "unit", "table", "rows"), [(s.name, s.unit, s.table, str(len(model.tables[s.table]))) for s in model.signals])
+        chapter.say(
+            "These follow tables, linear between two rows and constant beyond their ends; every row ends a segment of "
+            "the integration."
+        )
+        rows = [(s.name, write_unit(s.unit), s.table, str(len(model.tables[s.table]))) for s in model.signals]
+        chapter.tabulate(("signal", "unit", "table", "rows"), rows)
 
 
 def _phases(chapter: Chapter, model: Model) -> None:
     """Write phases and levels."""
     nu, tau, start, phi, share = map(real, ("nu", "tau", "tau_0", "phi", "varsigma"))
     chapter.head("Phase of a mesh", "phases")
-    chapter.say("The phase counts the teeth of gear 1 that have passed the line of centres, in tooth pitches (eqs 10 and 11).")
+    chapter.say("The phase counts the teeth of gear 1 that have passed the line of centres (eqs 10 and 11).")
     chapter.equate(break_sum(typeset(tau), nu * phi + start))
     if model.levels:
         chapter.equate(
-            (rf"{typeset(real('level'))} = \begin{{cases}} 0, & \operatorname{{frac}}{typeset(tau)} < {typeset(share)} \\"
-             r" 1, & \text{else} \end{cases}",),
+            (rf"{typeset(real('level'))} = \begin{{cases}} 0, & \operatorname{{frac}}{typeset(tau)} < {typeset(share)}"
+             r" \\ 1, & \text{else} \end{cases}",),
             "one pair of teeth in contact, or two (eq 9); every jump is an instant of its own in a simulation",
         )  # fmt: skip
     values, rows = model.values(), []
     shares = {level.name: level.share for level in model.levels}
-    for item in {item.name: item for item in (*model.phases, *model.levels)}.values():
+    followed: tuple[Phase | Level, ...] = (*model.phases, *model.levels)
+    for item in {item.name: item for item in followed}.values():
         rate = "0" if item.rate is None else f"{values[item.rate]:.9g}"
         part = f"{values[shares[item.name]]:.6g}" if item.name in shares else ""
         rows.append((item.name, rate, f"{values[item.start]:.9g}", part))
@@ -130,4 +133,5 @@ def _wave(chapter: Chapter, model: Model, kind: str) -> None:
         chapter.say(Maths(r"\operatorname{wrap}\left(z\right)"), " is z less the nearest whole number.")
     if wave.formula.has(waves.Rise):
         z = real("z")
-        chapter.equate(break_sum(typeset(waves.Rise(z)), waves.Rise.definition(z)), "rises from 0 to 1, with six derivatives")
+        rise = break_sum(typeset(waves.Rise(z)), waves.Rise.definition(z))
+        chapter.equate(rise, "rises from 0 to 1, with six derivatives")

@@ -4,20 +4,23 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from ..elements.base import COORDINATE_UNITS, RATE_UNITS
+from ..elements.base import COORDINATE_UNITS, RATE_UNITS, real
+from ..frames import FrameMotion
 from ..lagrange import kinetic_energy
 from ..model import Model
 from .content import Chapter, Maths, Text
 from .laws import Law, write_law
 from .notation import break_sum, typeset
 
-SIDES = {"frame": "the turning frame", "absolute": "the ground, resolved in the frame", "deviation": "the turning frame"}
+FRAME, GROUND = "the turning frame", "the ground, resolved in the frame"
+SIDES = {"frame": FRAME, "absolute": GROUND, "deviation": FRAME}
 
 
 def write_laws(chapter: Chapter, model: Model) -> None:
     """Write the chapter on energies and force laws."""
     chapter.head("Kinetic energy of a body", "kinetic")
-    chapter.equate(break_sum("T", kinetic_energy()), "in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"))
+    frame: Text = ("in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"), "; X, Y: place in it")
+    chapter.equate(break_sum("T", in_places(kinetic_energy())), *frame)
     chapter.head("From energies to forces", "lagrange")
     chapter.equate(
         (r"\frac{d}{dt}\frac{\partial T}{\partial\dot{q}} - \frac{\partial T}{\partial q} ="
@@ -26,6 +29,12 @@ def write_laws(chapter: Chapter, model: Model) -> None:
     )  # fmt: skip
     for key in dict.fromkeys(instance.element for instance in model.instances):
         _write_law(chapter, write_law(key), model)
+
+
+def in_places(expression: sp.Expr) -> sp.Expr:
+    """Write a body's place in its frame as X and Y, which are its nominal place and its displacement."""
+    f = FrameMotion.symbols()
+    return expression.xreplace({f.x: real("X"), f.y: real("Y")})
 
 
 def law_anchor(law: Law) -> str:
@@ -45,18 +54,19 @@ def _write_law(chapter: Chapter, law: Law, model: Model) -> None:
         + ("" if law.element.gradient else " Its force is no gradient of an energy, by design of the paper.")
     )
     for step in law.steps:
-        chapter.equate(break_sum(typeset(step.symbol, law.letters), step.value, law.letters), *_meaning(law, step.symbol))
+        lines = break_sum(typeset(step.symbol, law.letters), step.value, law.letters)
+        chapter.equate(lines, law.letters[step.symbol.name][1])
     if law.potential != 0:
         chapter.equate(break_sum("V", law.potential, law.letters), "potential")
     if law.dissipation != 0:
         chapter.equate(break_sum("D", law.dissipation, law.letters), "dissipation function")
     _write_wrench(chapter, law)
+    reports = [
+        (name.replace("_", " "), Maths(typeset(law.outputs[name], law.letters)), write_unit(output.unit))
+        for name, output in law.element.outputs.items()
+    ]
+    chapter.tabulate(("quantity", "formula", "unit"), reports, "What it reports")
     chapter.tabulate(("letter", "meaning", "unit"), list(_letters(law)), "Letters")
-
-
-def _meaning(law: Law, symbol: sp.Symbol) -> Text:
-    """Return what a symbol means."""
-    return (law.letters[symbol.name][1],)
 
 
 def _write_wrench(chapter: Chapter, law: Law) -> None:
@@ -82,6 +92,11 @@ def _component(place: int) -> tuple[int, str]:
     return port, (f"F_{{x{port}}}", f"F_{{y{port}}}", f"T_{{{port}}}")[place % 3]
 
 
+def write_unit(unit: str) -> str:
+    """Return a unit as it is read."""
+    return unit.replace("*", " ").replace("^2", "²").replace("^3", "³") or "1"
+
+
 def _letters(law: Law) -> Iterable[tuple[Maths, str, str]]:
     """List the letters of a law with meaning and unit."""
     ports = len(law.element.ports)
@@ -90,4 +105,4 @@ def _letters(law: Law) -> Iterable[tuple[Maths, str, str]]:
     named = {step.symbol for step in law.steps}
     for symbol in law.symbols:
         if symbol not in named:
-            yield Maths(typeset(symbol, law.letters)), law.letters[symbol.name][1], units[symbol] or "1"
+            yield Maths(typeset(symbol, law.letters)), law.letters[symbol.name][1], write_unit(units[symbol])

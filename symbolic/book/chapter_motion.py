@@ -16,7 +16,7 @@ X0, Y0, SX, SY, X_HERE, Y_HERE = map(real, ("x_0", "y_0", "x@seat", "y@seat", "x
 def write_motion(chapter: Chapter, model: Model) -> None:
     """Write the chapter on coordinates and frames."""
     if model.reference == "rest":
-        chapter.say("The train is at rest: the paper's inertial coordinates and those that are integrated are the same.")
+        chapter.say("The train is at rest: places and angles are those against the ground.")
     else:
         _reference(chapter, model)
     _places(chapter)
@@ -25,10 +25,10 @@ def write_motion(chapter: Chapter, model: Model) -> None:
     chapter.head("Speeds of the rigid motion", "ratios")
     values = model.values()
     ratios = [
-        (body.name, Maths(typeset(RHO)), f"{values[body.ratio]:.9g}" if body.ratio else "0", _frame(model, body.frame))
+        (body.name, f"{values[body.ratio]:.9g}" if body.ratio else "0", _frame(model, body.frame))
         for body in model.bodies
     ]
-    chapter.tabulate(("body", "", "speed over the reference speed", "frame"), ratios)
+    chapter.tabulate(("body", "speed over the reference speed", "frame"), ratios)
 
 
 def _frame(model: Model, frame: str) -> str:
@@ -56,7 +56,9 @@ def _reference(chapter: Chapter, model: Model) -> None:
 def _places(chapter: Chapter) -> None:
     """Write places in the frame and in inertial axes."""
     chapter.head("Places", "places")
-    chapter.say("A body's place in its frame is its nominal place and its displacement; the paper's coordinates follow by a turn.")
+    chapter.say(
+        "A body's place in its frame is its nominal place and its displacement; the paper's coordinates follow by a turn."
+    )
     for letter, nominal, moved in (("X", X0, X_HERE), ("Y", Y0, Y_HERE)):
         chapter.equate(break_sum(letter, nominal + moved))
     for left, value in zip((r"x^{\text{inertial}}", r"y^{\text{inertial}}"), rotated(BETA, X, Y), strict=True):
@@ -65,8 +67,8 @@ def _places(chapter: Chapter) -> None:
     chapter.equate(break_sum("v_{x}", VX - RHO_C * PHI_D * Y))
     chapter.equate(break_sum("v_{y}", VY + RHO_C * PHI_D * X))
     chapter.say(
-        "Elements see relative places and rolling only, so their laws read the same in either coordinates. ", Maths(r"\dot{x}"),
-        " in a law is the rate in the frame; laws with friction against the ground, and dampers to it, have ", Maths("v_{x}"),
+        "Elements see relative places and rolling only, so their laws read the same in either coordinates. ",
+        Maths(r"\dot{x}"), " in a law is the rate in the frame; laws that see the ground have ", Maths("v_{x}"),
         ", ", Maths("v_{y}"), " and the absolute speed ", Maths(r"\omega"), ".",
     )  # fmt: skip
 
@@ -74,7 +76,9 @@ def _places(chapter: Chapter) -> None:
 def _seats(chapter: Chapter) -> None:
     """Write the motion of what sits on another body."""
     chapter.head("Bodies that sit on others", "seats")
-    chapter.say("What sits on a body, such as a planet on a rigid pin or the teeth of an eccentric gear, turns about its centre.")
+    chapter.say(
+        "What sits on a body, such as a planet on a rigid pin or the teeth of an eccentric gear, turns about its centre."
+    )
     arm = rotated(PSI, X0, Y0)
     for axis, value in zip("xy", arm, strict=True):
         chapter.equate(break_sum(f"a_{{{axis}}}", value), "arm, turned with the seat" if axis == "x" else "")

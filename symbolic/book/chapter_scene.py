@@ -8,6 +8,7 @@ from ..model import Model
 from ..report import describe
 from ..schema import Scene
 from ..variants import acting_effects
+from .chapter_laws import write_unit
 from .content import Chapter, Part
 
 
@@ -26,13 +27,13 @@ def write_scene(chapter: Chapter, scene: Scene, model: Model) -> None:
         chapter.say("No effect beyond the simplest model acts.")
     chapter.head("Members", "members")
     members = [
-        (name, str(entry["count"]), _plain(entry["speed_rpm"]), _plain(entry["mass_kg"]), _plain(entry["inertia_kg_m2"]))
+        (name, str(entry["count"]), *(_plain(entry[key]) for key in ("speed_rpm", "mass_kg", "inertia_kg_m2")))
         for name, entry in shown["members"].items()
     ]
     chapter.tabulate(("member", "count", "speed [r/min]", "mass [kg]", "inertia [kg m²]"), members)
     chapter.head("Freedoms", "freedoms")
-    freedoms = [(str(row["body"]), ", ".join(row["axes"]), str(row["reason"])) for row in explain_freedoms(scene, model)]
-    chapter.tabulate(("body", "moves in", "because"), freedoms)
+    moving = [(str(r["body"]), ", ".join(r["axes"]), str(r["reason"])) for r in explain_freedoms(scene, model)]
+    chapter.tabulate(("body", "moves in", "because"), moving)
     chapter.head("Loads", "loads")
     loads = [
         (name, entry["member"], _plain(entry["torque_n_m"]), _plain(entry["power_kw"]), entry["action"], entry["law"])
@@ -40,7 +41,10 @@ def write_scene(chapter: Chapter, scene: Scene, model: Model) -> None:
     ]
     chapter.tabulate(("load", "member", "torque [N m]", "power [kW]", "action", "over time"), loads)
     chapter.head("Numbers and their sources", "numbers")
-    chapter.say("Values are in SI units, as the C has them. A source says whether a number is printed, derived, assumed or fitted.")
+    chapter.say(
+        "Values are in SI units, as the C has them. "
+        "A source says whether a number is printed, derived, assumed or fitted."
+    )
     chapter.tabulate(("key", "value", "source"), list(_numbers(scene)))
 
 
@@ -76,7 +80,7 @@ def _written(value: Any) -> str:  # noqa: ANN401
         return "(" + ", ".join(_written(item) for item in value) + ")"
     number, _, unit = str(value).partition(" ")
     try:
-        return f"{float(number):.6g} {unit}".strip() if not isinstance(value, bool | int) else str(value)
+        return str(value) if isinstance(value, int) else f"{float(number):.6g} {write_unit(unit) * bool(unit)}".strip()
     except ValueError:
         return str(value)
 

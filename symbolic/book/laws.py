@@ -16,7 +16,6 @@ from .letters import ABSOLUTE, LETTERS, PECULIAR, Letter
 Key = tuple[str | bool, ...]
 SHORT = 40
 """Operations up to which a derivative of the energies is printed beside the wrench."""
-COMPONENTS = ("F_x", "F_y", "T")
 
 
 @dataclass(frozen=True)

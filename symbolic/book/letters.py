@@ -160,6 +160,14 @@ _MOTION: dict[str, Letter] = {
 LETTERS: Mapping[str, Letter] = MappingProxyType({**_PORTS, **_PARAMETERS, **_STEPS, **_MOTION})
 """Name of a symbol -> how it is written, and its meaning. A tag after ``@`` or ``#`` tells body or element."""
 
+ORDER: tuple[frozenset[str], ...] = (
+    frozenset({"N", "F", "c", "k", "k_t", "c_t", "m", "I", "mu", "rho", "rho_C", "r_1", "r_2", "alpha", "nu"}),
+    frozenset(_PARAMETERS),
+    frozenset({"beta_0", "tau_0", "size", "width", "S_x", "S_y", "s_x", "s_y", "F_x", "F_y", "a_x", "a_y"}),
+    frozenset(_STEPS),
+)
+"""How the factors of a product follow each other: forces and numbers first, what moves last."""
+
 ABSOLUTE: Mapping[str, Letter] = MappingProxyType({
     name.format(i): (tex.replace("#", str(i)), f"{meaning} {i}")
     for i in (1, 2, 3)

@@ -11,10 +11,11 @@ from typing import Any
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
-from .letters import LETTERS, Letter
+from .letters import LETTERS, ORDER, Letter
 
 WIDTH = 74
 """Characters of a line, before a sum is broken."""
+RANKED = "|"
 
 
 class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
@@ -26,7 +27,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
 
     def _print_Symbol(self, expr: sp.Symbol, style: str = "plain") -> str:  # noqa: N802
         """Print a symbol by its letter, tags included."""
-        return write_name(expr.name, self.letters)
+        return write_name(expr.name.partition(RANKED)[2] or expr.name, self.letters)
 
     def _print_Add(self, expr: sp.Expr, order: str | None = None) -> str:  # noqa: N802
         """Print a sum, what is added before what is taken away; as it stands where no order is wanted."""
@@ -60,8 +61,8 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
     def _print_Rest(self, expr: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
         """Print touching without a push."""
         border = sp.Add(*expr.args[:2], evaluate=False)
-        body = rf"\operatorname{{H}}{self._bracket(expr.args[2])}\left[1 - \operatorname{{H}}{self._bracket(border)}\right]"
-        return self._raised(body, exp)
+        touching, pushing = (rf"\operatorname{{H}}{self._bracket(z)}" for z in (expr.args[2], border))
+        return self._raised(rf"{touching}\left[1 - {pushing}\right]", exp)
 
     def _print_Lesser(self, expr: sp.Expr) -> str:  # noqa: N802
         """Print the smaller of two."""
@@ -71,7 +72,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         """Print a phase less its nearest whole number."""
         return self._raised(rf"\operatorname{{wrap}}{self._bracket(expr.args[0])}", exp)
 
-    _print_Wrap = _print_Wrapped
+    _print_Wrap = _print_Wrapped  # noqa: N815
 
     def _print_Rise(self, expr: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
         """Print the smooth rise from 0 to 1."""
@@ -81,9 +82,9 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         """Print the load sharing."""
         return rf"\operatorname{{W}}\left({self._print(expr.args[0])},\, {self._print(expr.args[1])}\right)"
 
-    def _print_atan2(self, expr: sp.Expr) -> str:  # noqa: N802
+    def _print_atan2(self, expr: sp.Expr) -> str:
         """Print the angle of a vector, y before x."""
-        return rf"\operatorname{{atan2}}\left({self._print(expr.args[0])},\, {self._print(expr.args[1])}\right)"
+        return rf"\operatorname{{atan}}_{{2}}\left({self._print(expr.args[0])},\, {self._print(expr.args[1])}\right)"
 
     def _print_atan(self, expr: sp.Expr, exp: str | None = None) -> str:
         """Print the arc tangent."""
@@ -144,7 +145,19 @@ def escape(text: str) -> str:
 
 def typeset(expression: Any, letters: Mapping[str, Letter] = LETTERS) -> str:  # noqa: ANN401
     """Return the TeX of an expression."""
-    return str(Printer(letters).doprint(sp.sympify(expression)))
+    return str(Printer(letters).doprint(_ranked(sp.sympify(expression))))
+
+
+def _ranked(expression: Any) -> Any:  # noqa: ANN401
+    """Give symbols names by which SymPy puts numbers of the model before what moves in a product."""
+    plain = expression.free_symbols - {item.base.label for item in expression.atoms(sp.Indexed)}
+    names = {symbol: sp.Symbol(f"{_rank(symbol.name)}{RANKED}{symbol.name}", **symbol.assumptions0) for symbol in plain}
+    return expression.xreplace(names)
+
+
+def _rank(name: str) -> int:
+    """Return where a symbol stands in a product."""
+    return next((i for i, group in enumerate(ORDER) if re.split("[@#]", name)[0] in group), len(ORDER))
 
 
 def break_sum(left: str, expression: Any, letters: Mapping[str, Letter] = LETTERS) -> tuple[str, ...]:  # noqa: ANN401
@@ -160,7 +173,8 @@ def break_sum(left: str, expression: Any, letters: Mapping[str, Letter] = LETTER
         Table of letters.
     """
     whole = sp.sympify(expression)
-    terms = [typeset(term, letters) for term in (whole.as_ordered_terms() if whole.is_Add else [whole])]
+    ordered = _ranked(whole).as_ordered_terms() if whole.is_Add else [_ranked(whole)]
+    terms = [str(Printer(letters).doprint(term)) for term in ordered]
     return fill_lines([f"{left} =", *signed(sorted(terms, key=lambda term: term.startswith("-")))])
 
 

@@ -8,7 +8,7 @@ from types import ModuleType
 
 from ltcgear.generated.errors import LtcgearError
 
-from .content import Book, Link, Maths, Mark, Text
+from .content import Book, Link, Mark, Maths, Text
 from .notation import escape
 
 MISSING = "the equation book needs Jinja2 and latex2mathml: pip install 'ltcgear[report]'"
@@ -24,7 +24,9 @@ def write_html(book: Book) -> str:
         If the packages that pages are made with are not installed.
     """
     jinja2 = _packages()[0]
-    environment = jinja2.Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
+    )
     environment.filters["maths"] = lambda tex, display="inline": jinja2.utils.markupsafe.Markup(mathml(tex, display))
     environment.filters["kind"] = _kind
     return str(environment.from_string(_template("book.html")).render(book=book))

@@ -61,7 +61,8 @@ def make_book(scene: Scene, model: Model, manifest: Manifest, key: str, checks: 
 def identify(manifest: Manifest, key: str) -> dict[str, str]:
     """Return what ties a book to its C."""
     told = {"key": key, "digest of the C": manifest.key, "ltcgear": version("ltcgear"), "SymPy": version("sympy")}
-    told |= {"CasADi": manifest.casadi, "states": str(len(manifest.states)), "parameters": str(len(manifest.parameters))}
+    told |= {"CasADi": manifest.casadi, "states": str(len(manifest.states))}
+    told |= {"parameters": str(len(manifest.parameters))}
     return told | {f"operations of {name}": str(item.operations) for name, item in manifest.functions.items()}
 
 
@@ -105,8 +106,13 @@ def list_content(book: Book, rows: Sequence[PrintedRow] | None = None) -> dict[s
         "key": book.identity["key"],
         "passed": book.passed,
         "chapters": [
-            {"title": c.title, "anchor": c.anchor, "equations": len(c.equations), "sections": [h.title for h in c.headings]}
-            for c in book.chapters
+            {
+                "title": chapter.title,
+                "anchor": chapter.anchor,
+                "equations": len(chapter.equations),
+                "sections": [heading.title for heading in chapter.headings],
+            }
+            for chapter in book.chapters
         ],
         "equations": sum(len(chapter.equations) for chapter in book.chapters),
         "paper": {verdict: verdicts.count(verdict) for verdict in KINDS},

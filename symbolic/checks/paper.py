@@ -391,8 +391,8 @@ def judge_row(row: Row) -> tuple[Verdict, dict[str, sp.Expr]]:
         hint = MEANING.get((group.split()[0], "left out"), "")
         reasons.append(f"{group}: left out" + f" ({hint})" * bool(hint))
     defined = row.label if row.definition else ""
-    verdict = Verdict(row.equation, row.label, worst, "; ".join(reasons), row.printed, text(derived, defined))
-    return verdict, derived
+    told = Verdict(row.equation, row.label, worst, "; ".join(reasons), row.printed, text(derived, defined))
+    return told, derived
 
 
 def check_paper(rows: Sequence[Row] | None = None) -> tuple[Verdict, ...]:
