@@ -34,7 +34,7 @@ docs: .venv/rig
 	$(PYTHON) -m venv .venv
 
 .venv/rig: .venv/bin/python pyproject.toml hatch_build.py
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[report]'
 	@touch $@
 
 .venv/test: .venv/bin/python pyproject.toml hatch_build.py

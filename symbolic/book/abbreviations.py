@@ -45,7 +45,8 @@ def list_steps(key: Key, element: Element) -> list[Step]:
 def _named(name: str, raw: sp.Expr) -> Step:
     """Name a quantity; one that is never negative says so, so that its square's root is itself."""
     value = sp.sympify(raw)
-    return Step(sp.Symbol(name, nonnegative=True) if value.is_nonnegative else real(name), value)
+    known = sp.Symbol(name, nonnegative=True) if value.is_nonnegative else real(name)
+    return Step(known, value)
 
 
 def _length(name: str, raw: sp.Expr) -> Iterator[Step]:

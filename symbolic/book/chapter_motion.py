@@ -57,7 +57,8 @@ def _places(chapter: Chapter) -> None:
     """Write places in the frame and in inertial axes."""
     chapter.head("Places", "places")
     chapter.say(
-        "A body's place in its frame is its nominal place and its displacement; the paper's coordinates follow by a turn."
+        "A body's place in its frame is its nominal place and its displacement; "
+        "the paper's inertial coordinates follow by a turn."
     )
     for letter, nominal, moved in (("X", X0, X_HERE), ("Y", Y0, Y_HERE)):
         chapter.equate(break_sum(letter, nominal + moved))
@@ -77,7 +78,8 @@ def _seats(chapter: Chapter) -> None:
     """Write the motion of what sits on another body."""
     chapter.head("Bodies that sit on others", "seats")
     chapter.say(
-        "What sits on a body, such as a planet on a rigid pin or the teeth of an eccentric gear, turns about its centre."
+        "What sits on a body, such as a planet on a rigid pin or the teeth of an eccentric gear, "
+        "turns about that body's centre."
     )
     arm = rotated(PSI, X0, Y0)
     for axis, value in zip("xy", arm, strict=True):

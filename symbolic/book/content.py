@@ -130,8 +130,8 @@ class Book:
         Its content.
     identity
         What ties it to the C: key, versions, counts of operations.
-    passed
-        Whether all checks are kept.
+    checks, paper
+        How many checks passed and failed; how many printed equations of the paper have which verdict.
     """
 
     title: str
@@ -139,4 +139,5 @@ class Book:
     effects: dict[str, str]
     chapters: tuple[Chapter, ...]
     identity: dict[str, str]
-    passed: bool
+    checks: dict[str, int]
+    paper: dict[str, int]

@@ -23,7 +23,7 @@ def write_html(book: Book) -> str:
     LtcgearError
         If the packages that pages are made with are not installed.
     """
-    jinja2 = _packages()[0]
+    jinja2 = require_packages()[0]
     environment = jinja2.Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
     )
@@ -40,7 +40,7 @@ def write_latex(book: Book) -> str:
     LtcgearError
         If the packages that pages are made with are not installed.
     """
-    jinja2 = _packages()[0]
+    jinja2 = require_packages()[0]
     environment = jinja2.Environment(
         block_start_string="<%", block_end_string="%>", variable_start_string="<<", variable_end_string=">>",
         comment_start_string="<#", comment_end_string="#>", trim_blocks=True, lstrip_blocks=True,
@@ -50,8 +50,14 @@ def write_latex(book: Book) -> str:
     return str(environment.from_string(_template("book.tex")).render(book=book))
 
 
-def _packages() -> tuple[ModuleType, ModuleType]:
-    """Return Jinja2 and latex2mathml's converter."""
+def require_packages() -> tuple[ModuleType, ModuleType]:
+    """Return Jinja2 and latex2mathml's converter.
+
+    Raises
+    ------
+    LtcgearError
+        If one of them is not installed.
+    """
     try:
         import jinja2
         from latex2mathml import converter
@@ -81,7 +87,9 @@ def mathml(tex: str, display: str = "inline") -> str:
     display
         ``inline`` or ``block``.
     """
-    made = _packages()[1].convert(tex, display=display).replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
+    made = (
+        require_packages()[1].convert(tex, display=display).replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
+    )
     return TEXT_CELL.sub(lambda found: f"<mtext>{_plain(found[1])}</mtext>", made)
 
 

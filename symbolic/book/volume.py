@@ -19,8 +19,8 @@ from .chapter_laws import write_laws
 from .chapter_motion import write_motion
 from .chapter_scene import write_scene
 from .content import Book, Chapter
-from .pages import write_html, write_latex
-from .paper_rows import PrintedRow, print_rows
+from .pages import require_packages, write_html, write_latex
+from .paper_rows import print_rows
 
 WRITERS: dict[str, Callable[[Book], str]] = {".html": write_html, ".tex": write_latex}
 
@@ -54,8 +54,12 @@ def make_book(scene: Scene, model: Model, manifest: Manifest, key: str, checks: 
         chapters.append(Chapter(number, title, anchor))
         write(chapters[-1])
     acting = {str(row["effect"]): str(row["value"]) for row in acting_effects(scene, model)}
-    passed = all(check.passed for check in checks)
-    return Book(scene.title, scene.name, acting, tuple(chapters), identity, passed)
+    passed = sum(check.passed for check in checks)
+    verdicts = [row.verdict.verdict for row in rows]
+    return Book(
+        scene.title, scene.name, acting, tuple(chapters), identity,
+        {"passed": passed, "failed": len(checks) - passed}, {kind: verdicts.count(kind) for kind in KINDS},
+    )  # fmt: skip
 
 
 def identify(manifest: Manifest, key: str) -> dict[str, str]:
@@ -66,14 +70,15 @@ def identify(manifest: Manifest, key: str) -> dict[str, str]:
     return told | {f"operations of {name}": str(item.operations) for name, item in manifest.functions.items()}
 
 
-def check_suffix(path: Path) -> None:
-    """Refuse a file that is neither a page nor LaTeX.
+def check_file(path: Path) -> None:
+    """Refuse a file that is neither a page nor LaTeX, and any where the packages for pages are missing.
 
     Raises
     ------
     LtcgearError
-        If the suffix is another one than .html or .tex.
+        If the suffix is another one than .html or .tex, or if a package is missing.
     """
+    require_packages()
     if path.suffix not in WRITERS:
         raise LtcgearError(f"{path}: a book is written as .html or .tex; give a name that ends so")
 
@@ -86,7 +91,7 @@ def write_book(book: Book, path: Path) -> None:
     LtcgearError
         If the suffix is another one, if the packages for pages are missing, or if the file cannot be written.
     """
-    check_suffix(path)
+    check_file(path)
     text = WRITERS[path.suffix](book)
     draft = path.with_name(f".draft-{path.name}")
     try:
@@ -97,14 +102,12 @@ def write_book(book: Book, path: Path) -> None:
         raise LtcgearError(f"{path}: cannot be written: {error.strerror or error}") from error
 
 
-def list_content(book: Book, rows: Sequence[PrintedRow] | None = None) -> dict[str, Any]:
+def list_content(book: Book) -> dict[str, Any]:
     """Return what a book holds, ready for JSON."""
-    verdicts = [row.verdict.verdict for row in (rows if rows is not None else print_rows())]
     return {
         "scene": book.scene,
         "title": book.title,
         "key": book.identity["key"],
-        "passed": book.passed,
         "chapters": [
             {
                 "title": chapter.title,
@@ -115,5 +118,6 @@ def list_content(book: Book, rows: Sequence[PrintedRow] | None = None) -> dict[s
             for chapter in book.chapters
         ],
         "equations": sum(len(chapter.equations) for chapter in book.chapters),
-        "paper": {verdict: verdicts.count(verdict) for verdict in KINDS},
+        "checks": book.checks,
+        "paper": book.paper,
     }
