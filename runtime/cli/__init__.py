@@ -9,5 +9,6 @@ from . import describe, equations, influences, linear, measuring, resonance, run
 from .app import app, main
 
 __all__ = [
-    "app", "describe", "equations", "influences", "linear", "main", "measuring", "resonance", "running", "stability", "testing",
+    "app", "describe", "equations", "influences", "linear", "main", "measuring", "resonance", "running", "stability",
+    "testing",
 ]  # fmt: skip

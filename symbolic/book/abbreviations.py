@@ -39,14 +39,16 @@ def list_steps(key: Key, element: Element) -> list[Step]:
     key, element
         Type and options as in ``Instance.element``, and the element that they make.
     """
-    return list(_OF.get(str(key[0]), lambda key, element: iter(()))(key, element))
+    writer = _OF.get(str(key[0]))
+    return [] if writer is None else list(writer(key, element))
 
 
 def _named(name: str, raw: sp.Expr) -> Step:
     """Name a quantity; one that is never negative says so, so that its square's root is itself."""
     value = sp.sympify(raw)
-    known = sp.Symbol(name, nonnegative=True) if value.is_nonnegative else real(name)
-    return Step(known, value)
+    if value.is_nonnegative:
+        return Step(sp.Symbol(name, nonnegative=True), value)
+    return Step(real(name), value)
 
 
 def _length(name: str, raw: sp.Expr) -> Iterator[Step]:

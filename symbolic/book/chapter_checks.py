@@ -33,8 +33,8 @@ def write_paper(chapter: Chapter, rows: Sequence[PrintedRow]) -> None:
     chapter.say(
         "Wu, Zhou, Jiang and Chen, Applied Sciences 2021, 11, 6876, in its own letters; one planet stands for the sum. "
         f"{found['agrees']} rows agree with the derivation, {found['first-order']} to first order in the deflection "
-        f"and the change of centre distance, and {found['misprint']} are misprints. Each is shown as it is printed and, "
-        "where that differs, as it is derived: with the fewest corrections that put it right."
+        f"and the change of centre distance, and {found['misprint']} are misprints. Each is shown as printed and, "
+        "where that differs, as derived: with the fewest corrections that put it right."
     )
     last = 0
     for row in rows:

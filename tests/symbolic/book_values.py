@@ -1,7 +1,6 @@
 """Evaluate the book: its printed equations one after the other, in plain floating-point numbers."""
 
 import math
-from functools import cache
 
 import sympy as sp
 from numpy.polynomial import Polynomial
@@ -14,36 +13,56 @@ def rise(z):
     return 3003 / 2048 * (RISE(min(max(2 * z - 1, -1), 1)) - RISE(-1))
 
 
+def wrap(z):
+    """A number less the nearest whole one."""
+    return z - math.floor(z + 0.5)
+
+
 FUNCTIONS = {
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "tanh": math.tanh,
+    "atan": math.atan,
+    "atan2": math.atan2,
+    "log": math.log,
+    "Abs": abs,
+    "Min": min,
+    "Max": max,
     "LogCosh": lambda z: math.log(math.cosh(z)),
     "Step": lambda z: float(z > 0),
     "Switch": lambda g, hold: float(g + hold > 0),
     "Rest": lambda g, hold, z: float(z > 0 and g + hold <= 0),
     "Lesser": min,
     "Given": lambda z, value, slope: value,
-    "Wrapped": lambda z: z - math.floor(z + 0.5),
-    "Wrap": lambda z: z - math.floor(z + 0.5),
+    "Wrapped": wrap,
+    "Wrap": wrap,
     "Sharing": lambda g, share: 1 - max(abs(g) - share / 2, 0) / (1 - share),
     "Rise": rise,
-    "sign": lambda z: (z > 0) - (z < 0),
-    "Heaviside": lambda z: float(z > 0),
+    "sign": lambda z: float((z > 0) - (z < 0)),
 }
 
 
-@cache
-def function(expression):
-    """Compile a printed expression over all that stands free in it."""
-    plain = expression.doit() if expression.has(sp.Sum, sp.Integral) else expression
-    leaves = sorted(plain.free_symbols - {i.base.label for i in plain.atoms(sp.Indexed)} | plain.atoms(sp.Indexed), key=str)
-    names = {leaf: sp.Dummy() for leaf in leaves}
-    call = sp.lambdify(list(names.values()), plain.xreplace(names), modules=[FUNCTIONS, "math"])
-    return leaves, call
-
-
 def value(expression, known):
-    """Evaluate one printed expression."""
-    leaves, call = function(sp.sympify(expression))
-    return call(*(known[leaf] for leaf in leaves))
+    """Evaluate one printed expression; the memory is that of its common parts."""
+    plain = sp.sympify(expression)
+    return _value(plain.doit() if plain.has(sp.Sum, sp.Integral) else plain, dict(known))
+
+
+def _value(node, memory):
+    """Evaluate one node, once."""
+    if node not in memory:
+        memory[node] = float(node) if node.is_number else _apply(node, [_value(part, memory) for part in node.args])
+    return memory[node]
+
+
+def _apply(node, parts):
+    """Apply one operation."""
+    if node.is_Add:
+        return math.fsum(parts)
+    if node.is_Mul:
+        return math.prod(parts)
+    return parts[0] ** parts[1] if node.is_Pow else FUNCTIONS[node.func.__name__](*parts)
 
 
 def evaluate(assembly, vectors):
