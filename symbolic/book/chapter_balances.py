@@ -53,7 +53,8 @@ def _sums(chapter: Chapter, model: Model) -> None:
     chapter.head("What acts on each body", "sums")
     chapter.say(
         Maths(r"\mathbf{W}_{j}^{(n)}"), " is the wrench, force and torque, of element n on its body j; the law of the "
-        "element tells it. Bodies without a coordinate are held: their sum is what the housing or the drive takes.",
+        "element tells it. The sum is the force and torque in the law of the body above. Bodies without a coordinate "
+        "are held: their sum is what the housing or the drive takes.",
     )  # fmt: skip
     for name, terms in list_terms(model).items():
         pieces = signed([rf"\mathbf{{W}}_{{{port}}}^{{({number})}}" for number, port in terms])

@@ -12,7 +12,7 @@ from .laws import write_law
 from .notation import break_sum, typeset
 
 Row = tuple[Part | Text, ...]
-NUMBERED = re.compile(r"(.*)\.(\d+)((?:\.[a-z_]+)?)")
+NUMBERED = re.compile(r"(.*)\.(\d+)((?:\.[a-z_0-9]+)?)")
 
 
 def write_elements(chapter: Chapter, model: Model) -> None:

@@ -150,7 +150,8 @@ def typeset(expression: Any, letters: Mapping[str, Letter] = LETTERS) -> str:  #
 
 def _ranked(expression: Any) -> Any:  # noqa: ANN401
     """Give symbols names by which SymPy puts numbers of the model before what moves in a product."""
-    plain = expression.free_symbols - {item.base.label for item in expression.atoms(sp.Indexed)}
+    amplitudes = expression.atoms(sp.Indexed)
+    plain = expression.free_symbols - amplitudes - {item.base.label for item in amplitudes}
     names = {symbol: sp.Symbol(f"{_rank(symbol.name)}{RANKED}{symbol.name}", **symbol.assumptions0) for symbol in plain}
     return expression.xreplace(names)
 

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import sympy as sp
 
@@ -71,6 +72,7 @@ def _part(printer: PaperPrinter, term: sp.Expr) -> str:
     return str(printer.doprint(term))
 
 
+@cache
 def print_rows() -> tuple[PrintedRow, ...]:
     """Return all rows of the paper with their verdicts."""
     rows = []

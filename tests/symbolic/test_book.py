@@ -1,16 +1,22 @@
 """The equation book says what the C computes: its printed expressions, evaluated one by one."""
 
 import json
+import re
 
 import casadi as ca
 import numpy as np
 import pytest
 import sympy as sp
-from ltcgear.symbolic.book.assembly import assemble
+from ltcgear.symbolic.book.assembly import assemble, list_terms
+from ltcgear.symbolic.book.chapter_balances import write_balances
+from ltcgear.symbolic.book.chapter_elements import _grouped, write_elements, write_meshes
+from ltcgear.symbolic.book.chapter_laws import write_laws
+from ltcgear.symbolic.book.chapter_motion import write_motion
+from ltcgear.symbolic.book.content import Chapter, Grid
 from ltcgear.symbolic.book.folding import Step, fold, unfold
 from ltcgear.symbolic.book.laws import write_law
 from ltcgear.symbolic.book.letters import LETTERS
-from ltcgear.symbolic.book.notation import break_sum, typeset
+from ltcgear.symbolic.book.notation import break_sum, typeset, write_name
 from ltcgear.symbolic.book.paper_rows import PaperPrinter, print_rows, write_paper_name
 from ltcgear.symbolic.book.waves import COS, COUNT, LEVEL, SIN, TAU, WAVES, Rise
 from ltcgear.symbolic.build import build_model
@@ -28,6 +34,7 @@ from ..runtime.variants import VARIANTS
 from .book_values import evaluate, rise, value
 
 POINTS = 3
+WRITERS = (write_motion, write_laws, write_elements, write_meshes, write_balances)
 SCENES = ("psh", "lsp", "hsp", "rig-2mw", "lin-parker-3", "hard-friction", "start-up", "hard-bounce")
 MIXED = ("all at once", "rigid pins out of place, held carrier, gravity", "torsional, all of it",
          "torque-driven on rigid pins")  # fmt: skip
@@ -64,6 +71,32 @@ def test_the_printed_equations_give_the_accelerations_of_the_c(make):
     one, two = np.array(printed).T, np.array(emitted).T
     size = np.abs(two).max(axis=1)
     assert (np.abs(one - two).max(axis=1) <= 1e-10 * np.maximum(size, 1e-6 * size.max())).all()
+
+
+@pytest.mark.parametrize("make", list(models()))
+def test_every_kind_of_scene_is_told_with_all_its_elements(make):
+    model = make()
+    chapters = [Chapter(1, "one", "one") for _ in range(5)]
+    for write, chapter in zip(WRITERS, chapters, strict=True):
+        write(chapter, model)
+    _, laws, elements, meshes, balances = chapters
+    assert sum(1 for _ in laws.headings) == 2 + len({instance.element for instance in model.instances})
+    told = [row[0][0] for block in elements.blocks[:2] if isinstance(block, Grid) for row in block.rows]
+    spans = [item for text in told for item in re.findall(r"\d+", text)]
+    assert int(max(spans, key=int)) == len(model.instances)
+    kinds = {item.kind for item in model.profiles}
+    assert {heading.anchor for heading in meshes.headings} >= {f"wave-{kind}" for kind in kinds}
+    sums = " ".join(line for equation in balances.equations for line in equation.lines)
+    for name, terms in list_terms(model).items():
+        assert write_name(f"W@{name}") in sums
+        assert all(rf"\mathbf{{W}}_{{{port}}}^{{({number})}}" in sums for number, port in terms)
+
+
+def test_numbers_of_equal_elements_are_all_told():
+    groups = list(_grouped(build_model(load_scene("rig-2mw"))))
+    assert sorted(number for numbers, _ in groups for number in numbers) == list(range(1, 33))
+    assert all(len(numbers) == len(group) for numbers, group in groups)
+    assert len(groups) == 17  # 2 x 3 of planets, bearings of ring, sun and pair, the pair, 5 shafts, the load
 
 
 def element_types():
