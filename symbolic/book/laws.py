@@ -14,7 +14,7 @@ from .folding import Folded, Step, fold
 from .letters import ABSOLUTE, LETTERS, PECULIAR, Letter
 
 Key = tuple[str | bool, ...]
-SHORT = 40
+SHORT = 24
 """Operations up to which a derivative of the energies is printed beside the wrench."""
 
 
