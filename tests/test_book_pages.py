@@ -108,6 +108,11 @@ def test_formulas_are_mathematics(files):
     assert "θ˙" in dotted
 
 
+def test_names_in_formulas_are_shown_as_they_are():
+    assert "<mtext>lsp.sun_planet.1</mtext>" in pages.mathml(r"x_{\text{lsp.sun\_planet.1}}")
+    assert "<mtext>a &lt; b &amp; c</mtext>" in pages.mathml(rf"\text{{{escape('a < b & c')}}}").replace("\u00a0", " ")
+
+
 def balanced(source):
     """Whether braces and environments of a LaTeX text close in their order."""
     plain = re.sub(r"\\.", lambda found: found[0] if found[0] in (r"\b", r"\e") else "", source)

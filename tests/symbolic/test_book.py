@@ -204,6 +204,15 @@ def test_rows_of_the_paper_are_those_of_the_check():
         assert (row.printed == row.derived) == (row.verdict.printed == row.verdict.derived)
 
 
+def test_what_the_paper_prints_on_the_right_stays_there():
+    rows = {(row.verdict.equation, row.verdict.row): " ".join(row.printed) for row in print_rows()}
+    left, right = rows[31, "y_S"].split("=")
+    assert right.split() == [r"F_{\text{Sy}}", "+", r"G_{\text{S}}"]
+    assert left.count("-") == 2
+    assert rows[29, "delta_CPx"].startswith(r"\delta_{\text{CPx}} = x_{\text{P}} - x_{\text{C}} - R_{\text{P}}")
+    assert rows[38, "theta_C"].endswith(r"= T_{\text{C}}")
+
+
 def test_long_sums_are_broken_before_their_signs():
     x = sp.Symbol("x", real=True)
     total = sum((-1) ** n * sp.sin(n * x) for n in range(1, 30))
