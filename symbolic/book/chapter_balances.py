@@ -9,7 +9,7 @@ from ..variants import freedoms
 from .assembly import Assembly, assemble, list_terms
 from .chapter_laws import in_places
 from .content import Chapter, Maths, Part
-from .motion import Assignment
+from .motion import Assignment, has_turning_frame
 from .notation import break_sum, fill_lines, signed, typeset, write_name
 
 SMALL = 6
@@ -28,13 +28,16 @@ def write_balances(chapter: Chapter, model: Model) -> None:
 def _body_law(chapter: Chapter, model: Model) -> None:
     """Write the law of a body in its frame."""
     chapter.head("A body in its frame", "body-law")
-    chapter.say(
-        "Newton's and Euler's laws in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"),
-        ": force, Coriolis, centrifugal and Euler acceleration. The kinetic energy gives the same, "
-        "which one of the checks proves.",
-    )  # fmt: skip
+    if has_turning_frame(model):
+        chapter.say(
+            "Newton's and Euler's laws in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"),
+            ": force, Coriolis, centrifugal and Euler acceleration. The kinetic energy gives the same, "
+            "which one of the checks proves.",
+        )  # fmt: skip
+    else:
+        chapter.say("Newton's and Euler's laws; no frame turns in this scene.")
     for axis, value in zip(("x", "y", "u"), FrameMotion.symbols().newton(), strict=True):
-        chapter.equate(break_sum(rf"\ddot{{{axis}}}", in_places(value)))
+        chapter.equate(break_sum(rf"\ddot{{{axis}}}", in_places(value, model)))
     lead = next((body.name for body in model.bodies if body.turning == "reference"), None)
     if lead is not None:
         chapter.equate(break_sum(r"\ddot{\varphi}", real("T") / real("I")), f"torque and inertia are those of {lead}")

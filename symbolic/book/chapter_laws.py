@@ -10,6 +10,7 @@ from ..lagrange import kinetic_energy
 from ..model import Model
 from .content import Chapter, Maths, Text
 from .laws import Law, write_law
+from .motion import has_turning_frame
 from .notation import break_sum, typeset
 
 FRAME, GROUND = "the turning frame", "the ground, resolved in the frame"
@@ -20,7 +21,7 @@ def write_laws(chapter: Chapter, model: Model) -> None:
     """Write the chapter on energies and force laws."""
     chapter.head("Kinetic energy of a body", "kinetic")
     frame: Text = ("in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"), "; X, Y: place in it")
-    chapter.equate(break_sum("T", in_places(kinetic_energy())), *frame)
+    chapter.equate(break_sum("T", in_places(kinetic_energy(), model)), *(frame if has_turning_frame(model) else ()))
     chapter.head("From energies to forces", "lagrange")
     chapter.equate(
         (r"\frac{d}{dt}\frac{\partial T}{\partial\dot{q}} - \frac{\partial T}{\partial q} ="
@@ -31,10 +32,12 @@ def write_laws(chapter: Chapter, model: Model) -> None:
         _write_law(chapter, write_law(key), model)
 
 
-def in_places(expression: sp.Expr) -> sp.Expr:
-    """Write a body's place in its frame as X and Y, which are its nominal place and its displacement."""
+def in_places(expression: sp.Expr, model: Model) -> sp.Expr:
+    """Write a body's place in its frame as X and Y, and leave out turns that a model does not know."""
     f = FrameMotion.symbols()
-    return expression.xreplace({f.x: real("X"), f.y: real("Y")})
+    known = {f.x: real("X"), f.y: real("Y")} | ({} if has_turning_frame(model) else {f.frame_ratio: sp.S.Zero})
+    still = dict.fromkeys((f.phi_d, f.phi_dd), sp.S.Zero) if model.reference == "rest" else {}
+    return expression.xreplace(known | still)
 
 
 def law_anchor(law: Law) -> str:

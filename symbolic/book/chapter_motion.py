@@ -5,7 +5,7 @@ import sympy as sp
 from ..elements.base import real
 from ..model import Model
 from .content import Chapter, Maths
-from .motion import rotated
+from .motion import has_turning_frame, rotated
 from .notation import break_sum, typeset
 
 PHI, PHI_D, RHO, RHO_C, BETA, BETA0, U, U_D = map(real, ("phi", "phi_d", "rho", "rho_C", "beta", "beta_0", "u", "u_d"))
@@ -19,7 +19,7 @@ def write_motion(chapter: Chapter, model: Model) -> None:
         chapter.say("The train is at rest: places and angles are those against the ground.")
     else:
         _reference(chapter, model)
-    _places(chapter)
+    _places(chapter, has_turning_frame(model))
     if any(body.seat is not None for body in model.bodies):
         _seats(chapter)
     chapter.head("Speeds of the rigid motion", "ratios")
@@ -49,29 +49,38 @@ def _reference(chapter: Chapter, model: Model) -> None:
     )  # fmt: skip
     chapter.equate(break_sum(r"\theta", RHO * PHI + U), "absolute angle of a member")
     chapter.equate(break_sum(r"\dot{\theta}", RHO * PHI_D + U_D), "its speed")
-    chapter.say("A stage's frame turns with the rigid motion of its carrier.")
-    chapter.equate(break_sum(typeset(BETA), RHO_C * PHI + BETA0), "angle of the frame")
+    if has_turning_frame(model):
+        chapter.say("A stage's frame turns with the rigid motion of its carrier.")
+        chapter.equate(break_sum(typeset(BETA), RHO_C * PHI + BETA0), "angle of the frame")
 
 
-def _places(chapter: Chapter) -> None:
+def _places(chapter: Chapter, turns: bool) -> None:
     """Write places in the frame and in inertial axes."""
     chapter.head("Places", "places")
     chapter.say(
-        "A body's place in its frame is its nominal place and its displacement; "
-        "the paper's inertial coordinates follow by a turn."
+        "A body's place is its nominal place and its displacement. "
+        + ("Both are in its frame; the paper's inertial coordinates follow by a turn." if turns else "No frame turns.")
     )
     for letter, nominal, moved in (("X", X0, X_HERE), ("Y", Y0, Y_HERE)):
         chapter.equate(break_sum(letter, nominal + moved))
+    if turns:
+        _inertial(chapter)
+    chapter.say(
+        "In the laws of elements x and y are X and Y",
+        ", the rates those in the frame, and ", Maths(r"\theta"), " is the deviation ", Maths("u"),
+        ": elements see relative places and rolling only, so their laws read the same in inertial coordinates. "
+        "Laws that see the ground have ", Maths("v_{x}"), ", ", Maths("v_{y}"), " and the absolute speed ",
+        Maths(r"\omega"), ".",
+    )  # fmt: skip
+
+
+def _inertial(chapter: Chapter) -> None:
+    """Write places and velocities against the ground."""
     for left, value in zip((r"x^{\text{inertial}}", r"y^{\text{inertial}}"), rotated(BETA, X, Y), strict=True):
         chapter.equate(break_sum(left, value))
     chapter.say("Velocities against the ground, resolved in the turning frame:")
     chapter.equate(break_sum("v_{x}", VX - RHO_C * PHI_D * Y))
     chapter.equate(break_sum("v_{y}", VY + RHO_C * PHI_D * X))
-    chapter.say(
-        "Elements see relative places and rolling only, so their laws read the same in either coordinates. ",
-        Maths(r"\dot{x}"), " in a law is the rate in the frame; laws that see the ground have ", Maths("v_{x}"),
-        ", ", Maths("v_{y}"), " and the absolute speed ", Maths(r"\omega"), ".",
-    )  # fmt: skip
 
 
 def _seats(chapter: Chapter) -> None:

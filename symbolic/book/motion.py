@@ -29,6 +29,11 @@ class Leaf:
     name: str
 
 
+def has_turning_frame(model: Model) -> bool:
+    """Tell whether a body is described in a frame that turns."""
+    return any(model.frames[body.frame] is not None for body in model.bodies)
+
+
 def rotated(angle: sp.Expr, x: sp.Expr, y: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Turn a vector by an angle."""
     cos, sin = sp.cos(angle), sp.sin(angle)
