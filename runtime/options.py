@@ -56,6 +56,7 @@ RecordFile = Annotated[
     ),
 ]  # fmt: skip
 CostEnd = Annotated[float, typer.Option("--t-end", help="Time to simulate each variant [s].")]
+BookFile = Annotated[Path, typer.Option("-o", "--output", help="File to write, .html or .tex.")]
 FigureFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Figure to write, .png, .svg or .pdf.", show_default="none")
 ]

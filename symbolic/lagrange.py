@@ -22,19 +22,29 @@ def forces(element: Element) -> tuple[sp.Expr, ...]:
     )
 
 
+def kinetic_energy() -> sp.Expr:
+    """Return T = m |v|^2 / 2 + I (rho phi' + u')^2 / 2 of a body in a turning frame (symbols of ``FrameMotion``).
+
+    v is the velocity against the ground, resolved in the frame.
+    """
+    f = FrameMotion.symbols()
+    w = f.frame_ratio * f.phi_d
+    vx, vy = f.vx - w * f.y, f.vy + w * f.x
+    turning = f.ratio * f.phi_d + sp.Symbol("u_d", real=True)
+    return f.m * (vx**2 + vy**2) / 2 + f.inertia * turning**2 / 2
+
+
 @cache
 def frame_accelerations() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
     """Derive x'', y'', u'' of a body in a turning frame from its kinetic energy.
 
-    T = m |v|^2 / 2 + I (rho phi' + u')^2 / 2 with v the velocity against the ground, resolved in the
-    frame. The reference's own acceleration phi'' is a given here.
+    The reference's own acceleration phi'' is a given here.
     """
     f = FrameMotion.symbols()
     t = sp.Symbol("t")
     x, y, u, phi = (sp.Function(n)(t) for n in ("x", "y", "u", "phi"))
-    w = f.frame_ratio * phi.diff(t)
-    vx, vy = x.diff(t) - w * y, y.diff(t) + w * x
-    kinetic = f.m * (vx**2 + vy**2) / 2 + f.inertia * (f.ratio * phi.diff(t) + u.diff(t)) ** 2 / 2
+    motion = {f.x: x, f.y: y, f.vx: x.diff(t), f.vy: y.diff(t), f.phi_d: phi.diff(t)}
+    kinetic = kinetic_energy().xreplace({**motion, sp.Symbol("u_d", real=True): u.diff(t)})
     named = [
         (phi.diff(t, 2), f.phi_dd), (phi.diff(t), f.phi_d), (x.diff(t), f.vx), (y.diff(t), f.vy),
         (x, f.x), (y, f.y), (u, sp.S.Zero), (phi, sp.S.Zero),

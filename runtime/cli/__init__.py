@@ -8,6 +8,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from . import (
     analysing,
     describe,
+    equations,
     influences,
     linear,
     measuring,
@@ -25,6 +26,7 @@ __all__ = [
     "analysing",
     "app",
     "describe",
+    "equations",
     "influences",
     "linear",
     "main",

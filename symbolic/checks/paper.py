@@ -368,6 +368,11 @@ def left_out(row: Row, where: Sequence[Bench]) -> dict[str, sp.Expr]:
 
 def check_row(row: Row) -> Verdict:
     """Compare one row with the derivation; its verdict is the worst of its groups'."""
+    return judge_row(row)[0]
+
+
+def judge_row(row: Row) -> tuple[Verdict, dict[str, sp.Expr]]:
+    """Compare one row with the derivation; beside the verdict, return the derived term groups."""
     where = bench_for(row)
     worst, reasons, derived = "agrees", [], dict(row.terms)
     for group, expression in row.terms.items():
@@ -386,7 +391,8 @@ def check_row(row: Row) -> Verdict:
         hint = MEANING.get((group.split()[0], "left out"), "")
         reasons.append(f"{group}: left out" + f" ({hint})" * bool(hint))
     defined = row.label if row.definition else ""
-    return Verdict(row.equation, row.label, worst, "; ".join(reasons), row.printed, text(derived, defined))
+    told = Verdict(row.equation, row.label, worst, "; ".join(reasons), row.printed, text(derived, defined))
+    return told, derived
 
 
 def check_paper(rows: Sequence[Row] | None = None) -> tuple[Verdict, ...]:

@@ -1,0 +1,111 @@
+"""Chapters on energies and laws: kinetic energy, and each element type that the scene uses, once."""
+
+from collections.abc import Iterable
+
+import sympy as sp
+
+from ..elements.base import COORDINATE_UNITS, RATE_UNITS, real
+from ..frames import FrameMotion
+from ..lagrange import kinetic_energy
+from ..model import Model
+from .content import Chapter, Maths, Text
+from .laws import Law, write_law
+from .motion import has_turning_frame
+from .notation import break_sum, typeset
+
+FRAME, GROUND = "the turning frame", "the ground, resolved in the frame"
+SIDES = {"frame": FRAME, "absolute": GROUND, "deviation": FRAME}
+
+
+def write_laws(chapter: Chapter, model: Model) -> None:
+    """Write the chapter on energies and force laws."""
+    chapter.head("Kinetic energy of a body", "kinetic")
+    frame: Text = ("in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"), "; X, Y: place in it")
+    chapter.equate(break_sum("T", in_places(kinetic_energy(), model)), *(frame if has_turning_frame(model) else ()))
+    chapter.head("From energies to forces", "lagrange")
+    chapter.equate(
+        (r"\frac{d}{dt}\frac{\partial T}{\partial\dot{q}} - \frac{\partial T}{\partial q} ="
+         r" - \frac{\partial V}{\partial q} - \frac{\partial D}{\partial\dot{q}}",),
+        "Lagrange's equations; the wrenches below are written by hand, for Newton's, and proved to be the same",
+    )  # fmt: skip
+    for key in dict.fromkeys(instance.element for instance in model.instances):
+        _write_law(chapter, write_law(key), model)
+
+
+def in_places(expression: sp.Expr, model: Model) -> sp.Expr:
+    """Write a body's place in its frame as X and Y, and leave out turns that a model does not know."""
+    f = FrameMotion.symbols()
+    known = {f.x: real("X"), f.y: real("Y")} | ({} if has_turning_frame(model) else {f.frame_ratio: sp.S.Zero})
+    still = dict.fromkeys((f.phi_d, f.phi_dd), sp.S.Zero) if model.reference == "rest" else {}
+    return expression.xreplace(known | still)
+
+
+def law_anchor(law: Law) -> str:
+    """Return where a law is found."""
+    return "law-" + law.element.name.replace("_", "-").replace(" ", "-")
+
+
+def _write_law(chapter: Chapter, law: Law, model: Model) -> None:
+    """Write one element type."""
+    chapter.head(law.title[0].upper() + law.title[1:], law_anchor(law))
+    count = sum(instance.element == law.key for instance in model.instances)
+    joins = "one body and the housing" if len(law.element.ports) == 1 else f"{len(law.element.ports)} bodies"
+    chapter.say(
+        f"Joins {joins}; {count} in this scene. Rates are those against {SIDES[law.element.rates]}. "
+        f"Source: {law.element.source}."
+        + (" It acts from outside: its power is given to the train." if law.element.load else "")
+        + ("" if law.element.gradient else " Its force is no gradient of an energy, by design of the paper.")
+    )
+    for step in law.steps:
+        lines = break_sum(typeset(step.symbol, law.letters), step.value, law.letters)
+        chapter.equate(lines, law.letters[step.symbol.name][1])
+    if law.potential != 0:
+        chapter.equate(break_sum("V", law.potential, law.letters), "potential")
+    if law.dissipation != 0:
+        chapter.equate(break_sum("D", law.dissipation, law.letters), "dissipation function")
+    _write_wrench(chapter, law)
+    reports = [
+        (name.replace("_", " "), Maths(typeset(law.outputs[name], law.letters)), write_unit(output.unit))
+        for name, output in law.element.outputs.items()
+    ]
+    chapter.tabulate(("quantity", "formula", "unit"), reports, "What it reports")
+    chapter.tabulate(("letter", "meaning", "unit"), list(_letters(law)), "Letters")
+
+
+def _write_wrench(chapter: Chapter, law: Law) -> None:
+    """Write force and torque on each port, and where it is short what the energies give."""
+    parts = [(_component(i), hand, law.gradient[i]) for i, hand in enumerate(law.wrench) if hand != 0]
+    if all(energy is None or energy == hand for _, hand, energy in parts):
+        for (port, tex), hand, _ in parts:
+            chapter.equate(break_sum(tex, hand, law.letters), f"on body {port}")
+        return
+    rows = [
+        (
+            f"body {port}", Maths(tex), Maths(typeset(hand, law.letters)),
+            Maths(typeset(energy, law.letters)) if energy is not None else "long",
+        )
+        for (port, tex), hand, energy in parts
+    ]  # fmt: skip
+    chapter.tabulate(("on", "", "written by hand", "from the energies"), rows, "Force and torque")
+
+
+def _component(place: int) -> tuple[int, str]:
+    """Return port and letter of a component of a wrench."""
+    port = place // 3 + 1
+    return port, (f"F_{{x{port}}}", f"F_{{y{port}}}", f"T_{{{port}}}")[place % 3]
+
+
+def write_unit(unit: str) -> str:
+    """Return a unit as it is read."""
+    return unit.replace("*", " ").replace("^2", "²").replace("^3", "³") or "1"
+
+
+def _letters(law: Law) -> Iterable[tuple[Maths, str, str]]:
+    """List the letters of a law with meaning and unit."""
+    ports = len(law.element.ports)
+    units = dict(zip(law.element.coordinates, COORDINATE_UNITS * ports, strict=True))
+    units |= dict(zip(law.element.velocities, RATE_UNITS * ports, strict=True)) | dict(law.element.parameters)
+    named = {step.symbol for step in law.steps}
+    for symbol in law.symbols:
+        if symbol not in named:
+            yield Maths(typeset(symbol, law.letters)), law.letters[symbol.name][1], write_unit(units[symbol])

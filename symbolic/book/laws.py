@@ -1,0 +1,105 @@
+"""Laws: each element type as it is printed, its energies beside the wrench written by hand."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+
+import sympy as sp
+
+from ..checks.base import title
+from ..elements import Element, make
+from ..lagrange import forces
+from .abbreviations import list_steps
+from .folding import Folded, Step, fold
+from .letters import ABSOLUTE, LETTERS, PECULIAR, Letter
+
+Key = tuple[str | bool, ...]
+SHORT = 24
+"""Operations up to which a derivative of the energies is printed beside the wrench."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """An element type in the book.
+
+    Attributes
+    ----------
+    key, title, element
+        Type and options, plain name, and the element itself.
+    folded
+        Named quantities, and in their terms V, D, the wrench and the outputs, in this order.
+    gradient
+        -dV/dq - dD/dv as differentiated, one for each component of the wrench; None where it is too long to read.
+    """
+
+    key: Key
+    title: str
+    element: Element
+    folded: Folded
+    gradient: tuple[sp.Expr | None, ...]
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """Return the named quantities."""
+        return self.folded.steps
+
+    @property
+    def potential(self) -> sp.Expr:
+        """Return V."""
+        return self.folded.expressions[0]
+
+    @property
+    def dissipation(self) -> sp.Expr:
+        """Return D."""
+        return self.folded.expressions[1]
+
+    @property
+    def wrench(self) -> tuple[sp.Expr, ...]:
+        """Return force and torque on each port, flat."""
+        return self.folded.expressions[2 : 2 + len(self.element.wrench)]
+
+    @property
+    def outputs(self) -> dict[str, sp.Expr]:
+        """Return what the element reports."""
+        return dict(zip(self.element.outputs, self.folded.expressions[2 + len(self.element.wrench) :], strict=True))
+
+    @property
+    def letters(self) -> Mapping[str, Letter]:
+        """Return the table of letters of this law."""
+        own = {name: letter for (group, name), letter in PECULIAR.items() if group == self.key[0]}
+        return {**LETTERS, **(ABSOLUTE if self.element.rates == "absolute" else {}), **own}
+
+    @property
+    def symbols(self) -> tuple[sp.Symbol, ...]:
+        """Return all symbols that the law is printed with: coordinates, rates, parameters, named quantities."""
+        free = set().union(*(e.free_symbols for e in (*self.folded.expressions, *(s.value for s in self.steps))))
+        order = [*self.element.arguments, *(step.symbol for step in self.steps)]
+        return tuple(symbol for symbol in order if symbol in free)
+
+
+@cache
+def write_law(key: Key) -> Law:
+    """Bring an element type into the form in which it is printed.
+
+    Parameters
+    ----------
+    key
+        Type and options, as in ``Instance.element``.
+    """
+    element = make(key)
+    steps = list_steps(key, element)
+    reports = [output.expression for output in element.outputs.values()]
+    folded = fold([element.potential, element.dissipation, *element.wrench, *reports], steps)
+    gradient = _gradient(element, steps, folded) if element.gradient else (None,) * len(element.wrench)
+    return Law(key, title(key), element, folded, gradient)
+
+
+def _gradient(element: Element, steps: list[Step], folded: Folded) -> tuple[sp.Expr | None, ...]:
+    """Return what the energies give, in the names of the law; None where that is too long to read."""
+    raw = forces(element)
+    known = {*element.arguments, *(step.symbol for step in folded.steps)}
+    short = (
+        named if named.free_symbols <= known else plain
+        for plain, named in zip(raw, fold(raw, steps).expressions, strict=True)
+    )
+    return tuple(expression if sp.count_ops(expression) <= SHORT else None for expression in short)

@@ -1,0 +1,123 @@
+"""The whole book of a scene: its chapters in order, and the file that it is written to."""
+
+from collections.abc import Callable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from ltcgear.generated.contract import Manifest
+from ltcgear.generated.errors import LtcgearError
+
+from ..checks.base import Check
+from ..model import Model
+from ..schema import Scene
+from ..variants import acting_effects
+from .chapter_balances import write_balances
+from .chapter_checks import KINDS, write_checks, write_identity, write_paper
+from .chapter_elements import write_elements, write_meshes
+from .chapter_laws import write_laws
+from .chapter_motion import write_motion
+from .chapter_scene import write_scene
+from .content import Book, Chapter
+from .pages import require_packages, write_html, write_latex
+from .paper_rows import print_rows
+
+WRITERS: dict[str, Callable[[Book], str]] = {".html": write_html, ".tex": write_latex}
+
+
+def make_book(scene: Scene, model: Model, manifest: Manifest, key: str, checks: Sequence[Check]) -> Book:
+    """Put the equation book of a scene together.
+
+    Parameters
+    ----------
+    scene, model
+        A scene and its model.
+    manifest, key
+        Of the C that was made of it: its manifest, and the key under which it is kept.
+    checks
+        Results of the model's checks.
+    """
+    rows, identity = print_rows(), identify(manifest, key)
+    writers: tuple[tuple[str, str, Callable[[Chapter], None]], ...] = (
+        ("The scene", "scene", lambda c: write_scene(c, scene, model)),
+        ("Coordinates and frames", "motion", lambda c: write_motion(c, model)),
+        ("Energies and force laws", "laws", lambda c: write_laws(c, model)),
+        ("Elements", "elements", lambda c: write_elements(c, model)),
+        ("Mesh phase, stiffness and loads over time", "meshes", lambda c: write_meshes(c, model)),
+        ("Equations of motion", "balances", lambda c: write_balances(c, model)),
+        ("Checks", "checks", lambda c: write_checks(c, checks)),
+        ("The paper's printed equations", "paper", lambda c: write_paper(c, rows)),
+        ("What this book belongs to", "identity", lambda c: write_identity(c, identity)),
+    )
+    chapters = []
+    for number, (title, anchor, write) in enumerate(writers, start=1):
+        chapters.append(Chapter(number, title, anchor))
+        write(chapters[-1])
+    acting = {str(row["effect"]): str(row["value"]) for row in acting_effects(scene, model)}
+    passed = sum(check.passed for check in checks)
+    verdicts = [row.verdict.verdict for row in rows]
+    return Book(
+        scene.title, scene.name, acting, tuple(chapters), identity,
+        {"passed": passed, "failed": len(checks) - passed}, {kind: verdicts.count(kind) for kind in KINDS},
+    )  # fmt: skip
+
+
+def identify(manifest: Manifest, key: str) -> dict[str, str]:
+    """Return what ties a book to its C."""
+    told = {"key": key, "digest of the C": manifest.key, "ltcgear": version("ltcgear"), "SymPy": version("sympy")}
+    told |= {"CasADi": manifest.casadi, "states": str(len(manifest.states))}
+    told |= {"parameters": str(len(manifest.parameters))}
+    return told | {f"operations of {name}": str(item.operations) for name, item in manifest.functions.items()}
+
+
+def check_file(path: Path) -> None:
+    """Refuse a file that is neither a page nor LaTeX, and any where the packages for pages are missing.
+
+    Raises
+    ------
+    LtcgearError
+        If the suffix is another one than .html or .tex, or if a package is missing.
+    """
+    require_packages()
+    if path.suffix not in WRITERS:
+        raise LtcgearError(f"{path}: a book is written as .html or .tex; give a name that ends so")
+
+
+def write_book(book: Book, path: Path) -> None:
+    """Write a book to a file, by its suffix as HTML or LaTeX; it appears whole or not at all.
+
+    Raises
+    ------
+    LtcgearError
+        If the suffix is another one, if the packages for pages are missing, or if the file cannot be written.
+    """
+    check_file(path)
+    text = WRITERS[path.suffix](book)
+    draft = path.with_name(f".draft-{path.name}")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        draft.replace(path)
+    except OSError as error:
+        draft.unlink(missing_ok=True)
+        raise LtcgearError(f"{path}: cannot be written: {error.strerror or error}") from error
+
+
+def list_content(book: Book) -> dict[str, Any]:
+    """Return what a book holds, ready for JSON."""
+    return {
+        "scene": book.scene,
+        "title": book.title,
+        "key": book.identity["key"],
+        "chapters": [
+            {
+                "title": chapter.title,
+                "anchor": chapter.anchor,
+                "equations": len(chapter.equations),
+                "sections": [heading.title for heading in chapter.headings],
+            }
+            for chapter in book.chapters
+        ],
+        "equations": sum(len(chapter.equations) for chapter in book.chapters),
+        "checks": book.checks,
+        "paper": book.paper,
+    }
