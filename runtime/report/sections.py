@@ -111,7 +111,7 @@ def _shares(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
         return draw_shares(find_load_share(part, group), carrier_turns(part, stage_of(group)))
 
     for group in groups[:MOST]:
-        section.draw(partial(draw, group), "Means in the legend; the mesh load factor is the largest.", 3.0)
+        section.draw(partial(draw, group), "Means in the legend; the mesh load factor is the largest.", 4.9)
     yield section
 
 
