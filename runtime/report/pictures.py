@@ -84,17 +84,25 @@ def _take_title(figure: Figure) -> str:
 
 
 def _take_legend(figure: Figure) -> list[dict[str, Any]]:
-    """Take the legends off the figure; entries that panels share come once."""
+    """Take the legends off the figure; entries that panels share come once, with the number that follows a name."""
     found: dict[str, dict[str, Any]] = {}
     for axes in figure.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, {"text": label.replace("\n", ", ")} | _look(handle))
+            entry = {"text": label.replace("\n", ", ")} | _look(handle)
+            known = (other for other in found.values() if other["text"].startswith(entry["text"] + ":"))
+            if not any(_look_of(other) == _look_of(entry) for other in known):
+                found.setdefault(label, entry)
         drawn = axes.get_legend()
         if drawn is not None:
             drawn.remove()
     for legend in list(figure.legends):
         legend.remove()
     return list(found.values())
+
+
+def _look_of(entry: dict[str, Any]) -> tuple[str, ...]:
+    """Return what an entry looks like."""
+    return entry["colour"], entry["dash"], entry["mark"]
 
 
 def _look(handle: Any) -> dict[str, Any]:  # noqa: ANN401

@@ -28,6 +28,7 @@ from .pictures import make_picture
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from ..linear.modes import Mode
 
@@ -39,6 +40,8 @@ REST = 1e-12
 """Largest shift of a member that is at rest [m]; less is rounding."""
 ROUNDING = 1e-9
 """Variation of a signal over its size that is no vibration."""
+LEAST = 16
+"""Bins that a spectrum shows at least."""
 HARMONICS = 6.5
 """Harmonics of the fastest mesh that spectra show."""
 
@@ -60,7 +63,8 @@ class Section:
         try:
             figure = draw()
         except LtcgearError as error:
-            self.text.append(f"Not drawn: {error}")
+            told = f"Not drawn: {error}"
+            self.text += [told] if told not in self.text else []
             return
         self.pictures.append(make_picture(figure, f"{self.key}{len(self.pictures)}", caption, height, **size))
 
@@ -107,7 +111,7 @@ def _shares(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
         return draw_shares(find_load_share(part, group), carrier_turns(part, stage_of(group)))
 
     for group in groups[:MOST]:
-        section.draw(partial(draw, group), "Means in the legend; the mesh load factor is the largest.", 3.0)
+        section.draw(partial(draw, group), "Means in the legend; the mesh load factor is the largest.", 4.9)
     yield section
 
 
@@ -152,8 +156,13 @@ def _spectrum(part: xr.Dataset, quantity: str, item: str, clues: Clues, turning:
         clues, highest = clues.over(each), highest / each
     else:
         spectrum = find_spectrum(*signals)
-    end = float(min(highest, spectrum.axis[-1])) if highest > 0 else None
+    end = _end(highest, spectrum.axis)
     return draw_spectrum(spectrum, name_lines(spectrum, clues, 8, end), end)
+
+
+def _end(highest: float, axis: NDArray[np.float64]) -> float | None:
+    """Return where a spectrum's axis ends; at its own end where so little of it would be no picture."""
+    return float(min(highest, axis[-1])) if highest > LEAST * axis[1] else None
 
 
 def _refuse_constant(signal: xr.DataArray) -> None:
@@ -201,7 +210,7 @@ def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section
         _refuse_constant(pick(dataset, "mesh_force", mesh))
         speed = pick(dataset, "speed", _fastest(dataset)) if "speed" in dataset else None
         found = find_waterfall(pick(dataset, "mesh_force", mesh), speed)
-        end = float(min(highest, found.frequency[-1])) if highest > 0 else None
+        end = _end(highest, found.frequency)
         return found, mesh_courses(dataset, found), end
 
     section.draw(lambda: draw_spectrogram(*find()), "Brighter is stronger.", 3.3)

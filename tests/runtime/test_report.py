@@ -189,6 +189,14 @@ def test_changing_speeds_are_seen_over_turns(tmp_path):
     assert "order: cycles in a turn of" in words
 
 
+@pytest.mark.parametrize("t_end", [0.06, 0.0007])
+def test_trains_that_stand_and_short_records_have_pages(tmp_path, t_end):
+    """Before the start nothing turns; of a few samples there is no spectrum, and the page says so."""
+    page = Page(make_page(simulate_into(tmp_path, "start-up", t_end), modes=False))
+    assert page.faults == []
+    assert ("64 at least" in page.text) == (t_end < 0.001)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
