@@ -147,7 +147,7 @@ def page(tmp_path_factory):
         kept = json.loads(json.dumps(fitted()))
         kept["unknowns"][0]["name"] = "<script>alert(1)</script> & more"
         patch.setattr("ltcgear.runtime.paper.page.fitted", lambda: kept)
-        patch.setattr(sys, "argv", ["ltcgear", "paper", "-o", str(folder), "--t-end", "0.6"])
+        patch.setattr(sys, "argv", ["ltcgear", "paper", "-o", str(folder), "--t-end", "0.6", "--set", "title=<i>x</i>"])
         with pytest.raises(SystemExit) as stop:
             main()
     assert not stop.value.code
@@ -183,6 +183,7 @@ def test_the_page_tells_what_is_printed_predicted_and_fitted(page):
 
 def test_names_that_are_html_are_shown_as_text(page):
     assert "<script>alert" not in page[0]
+    assert "title=&lt;i&gt;x&lt;/i&gt;" in page[0]
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; more" in page[0]
 
 

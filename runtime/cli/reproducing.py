@@ -78,6 +78,7 @@ def _write_page(results: Mapping[str, "Result"], changes: list[str] | None, path
         transient=_transient(changes),
         step_s=STEP,
         shares={name: _shares(scene) for name, scene in FLOATING.items()},
+        changes=tuple(changes or ()),
     )
     return write_page(material, path)
 

@@ -66,6 +66,8 @@ class Material:
         A run in which the load steps up, and when it does [s].
     shares
         Each planet's share of the load with a pin out of place, by how the sun is held.
+    changes
+        What was set in place of the scenes' values, KEY=VALUE.
     """
 
     datasets: "Mapping[str, xr.Dataset]"
@@ -74,6 +76,7 @@ class Material:
     transient: "xr.Dataset"
     step_s: float
     shares: "Mapping[str, Sequence[float]]"
+    changes: tuple[str, ...] = ()
 
 
 @cache
@@ -124,7 +127,8 @@ def compose(material: Material) -> str:
         table7=compare(first, start)["table7"],
         lines=tell_lines(meshes, turns, material.modes, material.datasets, start),
         modes=_list_modes(material.modes), figures=_draw(material, meshes), captions=CAPTIONS, rigs=list(COLOURS),
-        step=_tell_step(material), steady=_tell_steady(material), shares=material.shares, turns=_turns(first),
+        step=_tell_step(material), steady=_tell_steady(material), shares=material.shares,
+        changes=material.changes, turns=_turns(first),
         meshes=meshes, below=sum(row["rigs"]["assumed"]["mean_off"] > 0 for row in loads),
         versions=first.attrs.get("ltcgear", ""), times=(start, float(first["time"][-1])),
     )  # fmt: skip
