@@ -6,7 +6,7 @@ PYTHON ?= python3
 export OPENBLAS_NUM_THREADS ?= 1
 BIN := .venv/bin
 
-.PHONY: rig test lint regenerate docs clean
+.PHONY: rig test lint regenerate docs site clean
 
 rig: .venv/rig
 	$(BIN)/ltcgear generate rig-2mw
@@ -29,6 +29,11 @@ regenerate: .venv/rig
 docs: .venv/rig
 	$(BIN)/python -m tests.regenerate --docs
 
+# The pages, the gallery and what Python offers as a web site, docs/_build/html; any warning is an error.
+site: .venv/docs
+	rm -rf docs/examples
+	LTCGEAR_CACHE=$${LTCGEAR_CACHE:-$(CURDIR)/docs/_build/store} $(BIN)/sphinx-build -W --keep-going --write-all --quiet docs docs/_build/html
+
 .venv/bin/python:
 	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "ltcgear needs Python 3.11 or newer; run make PYTHON=python3.x")'
 	$(PYTHON) -m venv .venv
@@ -41,5 +46,9 @@ docs: .venv/rig
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test]'
 	@touch $@ .venv/rig
 
+.venv/docs: .venv/bin/python pyproject.toml hatch_build.py
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@ .venv/rig
+
 clean:
-	rm -rf .venv .links out dist
+	rm -rf .venv .links out dist docs/_build docs/examples

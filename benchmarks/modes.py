@@ -13,11 +13,12 @@ from unittest.mock import patch
 
 from ltcgear.generated import store
 from ltcgear.runtime.comparison import published
+from ltcgear.runtime.ends import label
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.linear.energies import family
 from ltcgear.runtime.linear.modes import Mode, find_modes
-from ltcgear.runtime.linear.naming import describe_modes, label, sum_by
+from ltcgear.runtime.linear.naming import describe_modes, sum_by
 from ltcgear.runtime.linear.shape_figure import draw_shapes
 from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.precision.machine import describe_machine

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from .equilibrium import find_equilibrium
 from .kernel import Kernel
 from .library import Library
+from .results import Result
 from .scaling import LOADED
 from .signals import Pairs
-from .simulation import Result, simulate
+from .simulation import simulate
 from .statistics import group_of, mesh_statistics, stage_of, steady_start, window
 
 if TYPE_CHECKING:

@@ -18,21 +18,21 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
+from .attributes import to_attributes
 from .choice import Choice
+from .dataset import make_dataset
 from .integration import check_length
 from .library import Library
 from .reading import no_rows
-from .results import make_dataset
+from .results import Result
 from .signals import Pairs
 from .simulation import (
     DEFAULT_METHOD,
     DEFAULT_RTOL,
-    Result,
     Run,
     check_options,
     check_size,
     list_settings,
-    to_attributes,
 )
 from .stepper import Counts
 
@@ -67,6 +67,8 @@ def simulate_many(
     Results come in the order of the sets, as they are asked for; a few runs go ahead. With ``erk`` (which ``auto`` may
     choose) they go on side by side, with other methods one after the other. Ctrl-C stops all of them, and is raised.
 
+    Parameters that are not listed are those of ``simulate``.
+
     Parameters
     ----------
     sets
@@ -75,8 +77,6 @@ def simulate_many(
         Called, in the calling thread, with the time simulated so far, of all runs together [s].
     workers
         How many runs go on side by side; by default as many as there are cores.
-
-    Other parameters are those of ``simulate``.
 
     Yields
     ------
@@ -197,7 +197,7 @@ class _Ensemble:
     def _result(self, k: int, future: Future[None] | None) -> Result:
         """Wait for a run and conclude it."""
         if k in self.refused:
-            dataset, summary = self._nothing(self.refused.pop(k))
+            dataset, summary = self._nothing(k, self.refused.pop(k))
         else:
             while future is not None and wait([future], LOOK).not_done:
                 self.told(sum(self.reached))
@@ -208,10 +208,10 @@ class _Ensemble:
         dataset.attrs |= to_attributes(self.attributes, summary)
         return Result(dataset, summary)
 
-    def _nothing(self, error: LtcgearError) -> tuple[Any, dict[str, Any]]:
+    def _nothing(self, k: int, error: LtcgearError) -> tuple[Any, dict[str, Any]]:
         """Return data and summary of a run that could not begin."""
         options = self.options
         settings = list_settings(self.library, Choice(options["method"], None), options["rtol"], options["oversample"])
         counts = asdict(Counts()) | {"expected_events": 0}
         summary = settings | {"status": str(error), "simulated_s": 0.0, "counts": counts, "forces": {}, "seconds": {}}
-        return make_dataset(self.library, no_rows(self.library)), summary | {"warnings": []}
+        return make_dataset(self.library, self.vectors[k], no_rows(self.library)), summary | {"warnings": []}

@@ -185,7 +185,8 @@ class March:
             **dict.fromkeys(("forces", "arc_lowest"), len(forces)),
             **dict.fromkeys(("seen_forces", "arc_steady"), (2, len(forces))),
             "seen_time": 3,
-            **{"sample_x": (CAPACITY, n), "sample_time": CAPACITY, "sample_levels": (CAPACITY, meshes)},
+            **dict.fromkeys(("sample_time", "sample_steps"), CAPACITY),
+            **{"sample_x": (CAPACITY, n), "sample_levels": (CAPACITY, meshes)},
         }
         for name, size in sizes.items():
             share(name, np.zeros(size))

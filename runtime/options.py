@@ -60,3 +60,12 @@ BookFile = Annotated[Path, typer.Option("-o", "--output", help="File to write, .
 FigureFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Figure to write, .png, .svg or .pdf.", show_default="none")
 ]
+ResultPath = Annotated[Path, typer.Argument(metavar="FILE", help="A result file, as `ltcgear simulate -o` writes it.")]
+ExportFile = Annotated[Path, typer.Option("-o", "--file", help="File to write, .csv or .mat.")]
+Outputs = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--output", metavar="QUANTITY[:ITEM]", show_default="all",
+        help="What to take, e.g. mesh_force or mesh_force:psh.mesh; may be given again.",
+    ),
+]  # fmt: skip

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+MARK = -1.7281924756351e-306
+"""A time that no run knows; it stands in a new file's only record until the first row takes its place."""
+
+
 def part_of(target: Path) -> Path:
     """Return where the rows of a result under way are."""
     return target.with_suffix(".part.nc")
@@ -64,7 +68,7 @@ class Part:
             with _writing(self.path):
                 _write_heading(self.path, heading)
         self.record, found = self._layout()
-        self.rows, self.begin = kept or (0, self.path.stat().st_size - self.record.itemsize)
+        self.rows, self.begin = kept or (0, self._first_record())
         if found < self.rows or set(self.record.names or ()) != {
             str(n) for n in heading.variables if _moves(heading, n)
         }:
@@ -87,6 +91,14 @@ class Part:
                 return record, len(file.dimensions["time"])
         except (OSError, RuntimeError, KeyError) as error:
             raise LtcgearError(f"{self.path}: cannot be read ({error}); simulate again without --resume") from error
+
+    def _first_record(self) -> int:
+        """Return where the records begin [bytes], by the mark that the first one bears: files may be padded."""
+        whole, mark = self.path.read_bytes(), np.array(MARK, ">f8").tobytes()
+        if whole.count(mark) != 1:
+            raise LtcgearError(f"{self.path}: holds its mark {whole.count(mark)} times; simulate without -o")
+        fields: Mapping[str, Any] = self.record.fields or {}
+        return whole.index(mark) - int(fields["time"][1])
 
     def __enter__(self) -> "Part":
         """Use the file."""
@@ -175,7 +187,7 @@ def _moves(heading: "xr.Dataset", name: Hashable) -> bool:
 
 def _write_heading(path: Path, heading: "xr.Dataset") -> None:
     """Write a part's heading and the room of one record."""
-    one = heading.reindex(time=[0.0], fill_value=0)
+    one = heading.reindex(time=[MARK], fill_value=0)
     kinds = {"f": np.float64, "i": np.int32}
     wide = {name: one[name].astype(kinds[heading[name].dtype.kind]) for name in heading if _moves(heading, name)}
     one = one.assign(wide).assign_attrs(heading.attrs)

@@ -11,6 +11,8 @@ from rich.markup import escape
 from rich.padding import Padding
 from rich.table import Table
 
+from .attributes import finite
+
 if TYPE_CHECKING:
     from pathlib import Path
 
@@ -22,18 +24,9 @@ Data = dict[str, Any]
 def show(as_json: bool, data: Data, for_people: Callable[[Data], None]) -> None:
     """Print as JSON, or for people."""
     if as_json:
-        print(json.dumps(_finite(data), allow_nan=False))
+        print(json.dumps(finite(data), allow_nan=False))
     else:
         for_people(data)
-
-
-def _finite(data: Any) -> Any:  # noqa: ANN401
-    """Replace numbers that JSON does not know by null."""
-    if isinstance(data, dict):
-        return {key: _finite(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [_finite(value) for value in data]
-    return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
 def _console() -> Console:

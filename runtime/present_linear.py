@@ -7,7 +7,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from .linear.naming import label, sum_by
+from .ends import label
+from .linear.naming import sum_by
 
 Data = dict[str, Any]
 MOST = 2

@@ -23,13 +23,17 @@ FEWEST = 64
 
 @dataclass(frozen=True)
 class Rows:
-    """Kept samples: numbers among all samples, times [s], outputs, states and levels; shapes (m,), (m,), (m, ...)."""
+    """Kept samples: numbers among all samples, times [s], outputs, states, levels, and steps so far.
+
+    Shapes (m,), and (m, ...) of outputs, states and levels.
+    """
 
     index: NDArray[np.int64]
     time: Vector
     values: Vector
     x: Vector
     levels: Vector
+    steps: Vector
 
     def __getitem__(self, part: slice) -> "Rows":
         """Return some of the rows, in memory of their own."""
@@ -46,7 +50,7 @@ def no_rows(library: Library) -> Rows:
     manifest = library.manifest
     sizes = {"values": manifest.reports, "x": manifest.states, "levels": manifest.levels}
     none: dict[str, Vector] = {name: np.zeros((0, len(items))) for name, items in sizes.items()}
-    return Rows(np.zeros(0, dtype=np.int64), np.zeros(0), **none)
+    return Rows(np.zeros(0, dtype=np.int64), np.zeros(0), **none, steps=np.zeros(0))
 
 
 def by_quantity(library: Library) -> dict[str, list[int]]:
@@ -104,7 +108,7 @@ class Reader:
         values = _outputs(self.batch, self.clocks, block)
         index = self.taken + np.arange(len(block.time), dtype=np.int64)
         self.taken += len(index)
-        new = Rows(index, block.time, values, block.x, block.levels)
+        new = Rows(index, block.time, values, block.x, block.levels, block.steps)
         self.held = new if self.held is None else join_rows([self.held, new])
         ready = (self.taken - 1) // self.oversample + 1
         if self.filters:
@@ -157,5 +161,5 @@ def sampled(library: Library, path: Trajectory, p: Vector, oversample: int) -> R
     """Read the outputs of a whole trajectory at every ``oversample``-th sample."""
     rate = (len(path.time) - 1) / (path.time[-1] - path.time[0]) if len(path.time) > 1 else 1.0
     reader = Reader(library, p, float(rate), oversample)
-    block = Block(path.time, path.x, path.levels, path.signals, path.phi, path.turns)
+    block = Block(path.time, path.x, path.levels, path.signals, path.phi, path.turns, path.steps)
     return join_rows([reader.read(block), reader.finish()])

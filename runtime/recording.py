@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
+from .attributes import UNFINISHED, to_attributes
 from .checkpoint import checkpoint_of, describe_run, read_checkpoint, write_checkpoint
 from .choice import Choice, choose
+from .dataset import columns_of, make_dataset
 from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .extremes import MeshExtremes
 from .integration import Integration, Outcome, check_length
@@ -18,7 +20,7 @@ from .library import Library
 from .march import Snapshot
 from .part import Part, part_of
 from .reading import Reader, Rows, by_quantity, no_rows
-from .results import check_target, columns_of, make_dataset
+from .results import check_target
 from .sampling import Block
 from .signals import Pairs
 from .simulation import (
@@ -28,7 +30,6 @@ from .simulation import (
     check_options,
     list_settings,
     summarise,
-    to_attributes,
     verified,
 )
 from .statistics import between_samples
@@ -36,7 +37,7 @@ from .statistics import between_samples
 if TYPE_CHECKING:
     import xarray as xr
 
-UNDER_WAY = "not finished; `ltcgear simulate` with the same arguments and --resume goes on"
+UNDER_WAY = f"{UNFINISHED}; `ltcgear simulate` with the same arguments and --resume goes on"
 
 
 def check_resumable(target: Path) -> None:
@@ -67,6 +68,8 @@ def record(
     While it runs, samples go to ``NAME.part.nc`` and all that it takes to go on to ``NAME.checkpoint.npz``.
     Both outlast a killed program, and a run that Ctrl-C stopped; else they are deleted.
 
+    Parameters that are not listed are those of ``simulate``.
+
     Parameters
     ----------
     target
@@ -74,8 +77,6 @@ def record(
     resume
         Go on from the checkpoint; the result is to the last bit that of a run that was never stopped (with ``sundae``,
         whose history is not kept, to the tolerance).
-
-    Other parameters are those of ``simulate``.
 
     Returns
     -------
@@ -147,7 +148,7 @@ class Recorder:
         self, library: Library, p: Vector, target: Path, rate: float, oversample: int, attributes: Mapping[str, Any],
         kept: Snapshot | None,
     ) -> None:  # fmt: skip
-        self.library, self.rate, self.target = library, rate, target
+        self.library, self.p, self.rate, self.target = library, p, rate, target
         self.reader = Reader(library, p, rate * oversample, oversample)
         if kept is None:
             checkpoint_of(target).unlink(missing_ok=True)
@@ -187,7 +188,7 @@ class Recorder:
 
     def _heading(self, attributes: Mapping[str, Any], extremes: MeshExtremes | None = None) -> "xr.Dataset":
         """Return the result without any row."""
-        heading = make_dataset(self.library, no_rows(self.library), extremes)
+        heading = make_dataset(self.library, self.p, no_rows(self.library), extremes)
         return heading.assign_attrs(attributes)
 
 

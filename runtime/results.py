@@ -1,134 +1,139 @@
-"""Result: a trajectory read into named quantities with units, and its NetCDF4 file."""
+"""Result: a simulation's data under the names that engineers use, and its file."""
 
-import json
 import os
 import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from ltcgear.generated.errors import LtcgearError
-from numpy.typing import NDArray
 
-from .equilibrium import Equilibrium
-from .extremes import MeshExtremes
-from .integration import Outcome
-from .kernel import Kernel
-from .library import Library
-from .reading import Rows, by_quantity
-from .scaling import UNLOADED
+from .attributes import UNFINISHED, read_summary
+from .dataset import FORM
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Vector = NDArray[np.float64]
-
-LONG_NAMES = {
-    "mesh_force": "normal mesh force",
-    "mesh_deflection": "mesh deflection along the line of action",
-    "mesh_contact": "whether the flanks touch, 0 or 1",
-    "mesh_phase": "mesh phase: teeth of gear 1 past the line of centres",
-    "mesh_level": "mesh level, 0 single and 1 double contact",
-    "mesh_friction": "tangential mesh force",
-    "pressure_angle": "operating pressure angle",
-    "pin_force_x": "planet bearing force, x",
-    "pin_force_y": "planet bearing force, y",
-    "pin_friction_torque": "planet bearing friction torque",
-    "bearing_force_x": "bearing force, x",
-    "bearing_force_y": "bearing force, y",
-    "coupling_torque": "torque in the coupling",
-    "support_torque": "torque in the torsional support",
-    "acceleration_x": "acceleration of the centre, x",
-    "acceleration_y": "acceleration of the centre, y",
-    "velocity_x": "velocity of the centre, x",
-    "velocity_y": "velocity of the centre, y",
-    "displacement_x": "displacement of the centre in its stage's frame, x",
-    "displacement_y": "displacement of the centre in its stage's frame, y",
-    "speed": "rotational speed",
-    "twist": "angle against the rigid motion",
-    "angular_acceleration": "angular acceleration",
-    "drive_torque": "torque of the drive that holds the speed",
-    "load_torque": "torque of the load on its member",
-}
+GROUPS = ("mesh", "pin", "bearing", "coupling", "support", "rotor", "member", "load", "drive")
+"""Kinds of items that quantities are given for; each is an attribute of a Result."""
+ANGLE = "angle"
 
 
-def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Outcome) -> float:
-    """Return what is missing in the energy balance, over the strain energy of the start.
+class Item:
+    """One mesh, bearing, rotor, ... of a result: its quantities are attributes, xarray.DataArray over time.
 
-    Energy at the end less energy at the start, less work of loads, drives and dampers, less what the
-    stiffness jumps put in; zero for an exact solution. Where there is less strain energy than `UNLOADED` a freedom
-    (the size of vibrations that tolerances then refer to), it is taken over that, or over all work.
+    Names are those of the dataset's variables without the group: ``mesh_force`` of a mesh is ``force``. A rotor has
+    its ``angle`` [rad] besides, whole turns included.
     """
-    missing = path.energy[1] - path.energy[0] - path.work - path.jump_energy
-    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
-    freedoms = len(library.index(""))
-    return missing / max(strain, abs(path.work) + abs(path.jump_energy), UNLOADED * freedoms)
+
+    def __init__(self, name: str, quantities: "Mapping[str, xr.DataArray]") -> None:
+        self._name, self._quantities = name, quantities
+
+    def __getattr__(self, name: str) -> "xr.DataArray":
+        if name not in self._quantities:
+            raise AttributeError(f"{self._name} has no {name!r}; it has {', '.join(self._quantities)}")
+        return self._quantities[name]
+
+    def __dir__(self) -> list[str]:
+        return list(self._quantities)
+
+    def __repr__(self) -> str:
+        return f"{self._name}: {', '.join(self._quantities)}"
 
 
-def make_dataset(library: Library, rows: Rows, extremes: MeshExtremes | None = None) -> "xr.Dataset":
-    """Write rows as an xarray Dataset.
+class Group(Mapping[str, Item]):
+    """All items of a kind by name."""
 
-    Parameters
+    def __init__(self, kind: str, dataset: "xr.Dataset") -> None:
+        self._kind, self._dataset = kind, dataset
+        self._columns = dict(_columns(kind, dataset))
+        names = (dataset[variable].indexes[dimension] for variable, dimension in self._columns.values())
+        self._names = list(dict.fromkeys(str(name) for index in names for name in index))
+
+    def __getitem__(self, name: str) -> Item:
+        if name not in self._names:
+            raise KeyError(_no_item(self._kind, name, self._names))
+        found = {
+            short: self._dataset[variable].sel({dimension: name})
+            for short, (variable, dimension) in self._columns.items()
+            if name in self._dataset.indexes[dimension]
+        }
+        if self._kind == "rotor" and {"twist", "speed_ratio"} <= set(found):
+            found[ANGLE] = _angle(self._dataset, found)
+        return Item(name, found)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    def __repr__(self) -> str:
+        return f"{self._kind}: {', '.join(self._names) or 'none'}"
+
+
+def _columns(kind: str, dataset: "xr.Dataset") -> Iterator[tuple[str, tuple[str, str]]]:
+    """Yield short name, variable and dimension of what is given for items of a kind."""
+    for variable, data in dataset.data_vars.items():
+        for dimension in map(str, data.dims):
+            if dimension in (kind, f"{variable}_{kind}", f"switched_{kind}"):
+                yield str(variable).removeprefix(f"{kind}_"), (str(variable), dimension)
+
+
+def _no_item(kind: str, name: object, names: list[str]) -> str:
+    """Say that there is no such item, and which is near."""
+    near = get_close_matches(str(name), names, 1)
+    cure = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(names) or 'none'}"
+    return f"no {kind} {name!r}; {cure}"
+
+
+def _angle(dataset: "xr.Dataset", rotor: "Mapping[str, xr.DataArray]") -> "xr.DataArray":
+    """Return a rotor's angle: that of the rigid motion, and its own against that."""
+    angle = rotor["speed_ratio"] * dataset["reference_angle"] + rotor["twist"]
+    return angle.assign_attrs(units="rad", long_name="angle, whole turns included")
+
+
+@dataclass(frozen=True)
+class Result:
+    """A simulation: its data, and its summary.
+
+    ``result.mesh["lsp.sun_planet.1"].force`` is a force over time; ``pin``, ``bearing``, ``coupling``, ``support``,
+    ``rotor``, ``member``, ``load`` and ``drive`` have items in the same way.
+
+    Attributes
     ----------
-    library
-        Model.
-    rows
-        Outputs, states and levels of kept samples (see ``reading``); there may be none.
-    extremes
-        Extremes of the mesh forces, where the run is over.
-
-    Returns
-    -------
-    xarray.Dataset
-        One variable per quantity over (time, item), with units and long names, and all states.
+    dataset
+        All quantities with units and long names.
+    summary
+        How the run went, as ``ltcgear simulate --json`` prints it.
     """
-    import xarray as xr
 
-    manifest, columns = library.manifest, columns_of(library, rows)
-    coordinates: dict[str, Any] = {"time": ("time", columns.pop("time"), {"units": "s", "long_name": "time"})}
-    data: dict[str, Any] = {}
-    for quantity, places in by_quantity(library).items():
-        dimension = _dimension(library, quantity, places, coordinates)
-        meta = {"units": manifest.reports[places[0]].unit or "1", "long_name": LONG_NAMES[quantity]}
-        data[quantity] = (("time", dimension), columns[quantity], meta)
-    if "mesh_force" in data and extremes is not None:
-        data |= _extremes(extremes)
-    if manifest.levels:
-        coordinates["switched_mesh"] = list(manifest.levels)
-        meta = {"units": "1", "long_name": LONG_NAMES["mesh_level"]}
-        data["mesh_level"] = (("time", "switched_mesh"), columns["mesh_level"], meta)
-    coordinates["state_name"] = [state.name for state in manifest.states]
-    units = json.dumps([state.unit for state in manifest.states])
-    meta = {"units": "SI", "long_name": "state vector", "state_units": units}
-    data["state"] = (("time", "state_name"), columns["state"], meta)
-    return xr.Dataset(data, coords=coordinates)
+    dataset: "xr.Dataset"
+    summary: dict[str, Any]
+    _groups: dict[str, Group] = field(default_factory=dict, init=False, repr=False, compare=False)
 
+    def __getattr__(self, name: str) -> Group:
+        if name not in GROUPS:
+            raise AttributeError(f"a result has no {name!r}; it has dataset, summary, parameters, {', '.join(GROUPS)}")
+        if name not in self._groups:
+            self._groups[name] = Group(name, self.dataset)
+        return self._groups[name]
 
-def columns_of(library: Library, rows: Rows) -> dict[str, NDArray[Any]]:
-    """Return what changes over time in a result, by the variable's name, shapes (m,) and (m, items)."""
-    found: dict[str, NDArray[Any]] = {"time": rows.time, "state": rows.x}
-    if library.manifest.levels:
-        found["mesh_level"] = rows.levels.astype(np.int8)
-    return found | {quantity: rows.values[:, places] for quantity, places in by_quantity(library).items()}
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *GROUPS]
 
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The model's parameters in SI, by name."""
+        names, values = self.dataset["parameter"].values, self.dataset["parameter_value"].values
+        return dict(zip(map(str, names), values.tolist(), strict=True))
 
-def _dimension(library: Library, quantity: str, columns: list[int], coordinates: dict[str, Any]) -> str:
-    """Return the dimension of a quantity's items, one of its own where another quantity has other items."""
-    items = [library.manifest.reports[i].item for i in columns]
-    shared = library.manifest.reports[columns[0]].dimension
-    dimension = shared if coordinates.get(shared, items) == items else f"{quantity}_{shared}"
-    coordinates[dimension] = items
-    return dimension
-
-
-def _extremes(extremes: MeshExtremes) -> dict[str, Any]:
-    """Return the extremes of the mesh forces between samples, over the second half of the run."""
-    names = {"lowest": extremes.steady[0], "highest": extremes.steady[1]}
-    meta = {"units": "N", "from_s": extremes.half}
-    return {
-        f"mesh_force_{word}": ("mesh", values, meta | {"long_name": f"{word} mesh force, between samples too"})
-        for word, values in names.items()
-    }
+    def save(self, path: Path) -> None:
+        """Write a NetCDF4 file, which ``load`` and plain xarray read."""
+        save(self.dataset, path)
 
 
 def check_target(path: Path) -> None:
@@ -152,6 +157,29 @@ def make_folder(path: Path) -> None:
         raise LtcgearError(f"{path}: cannot be made: {error.strerror}; give another folder") from error
 
 
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """Give a draft to write to, which takes the place of a file once it is whole; the file appears whole or not at all.
+
+    Raises
+    ------
+    LtcgearError
+        If the folder is missing or cannot be written.
+    """
+    check_target(path)
+    handle, name = tempfile.mkstemp(dir=path.resolve().parent, prefix=".draft-", suffix=path.suffix)
+    os.close(handle)
+    draft = Path(name)
+    try:
+        yield draft
+        draft.chmod(0o644)
+        draft.replace(path)
+    except OSError as error:
+        raise LtcgearError(f"{path}: cannot be written: {error.strerror or error}") from error
+    finally:
+        draft.unlink(missing_ok=True)
+
+
 def save(dataset: "xr.Dataset", path: Path) -> None:
     """Write a NetCDF4 file; it appears whole or not at all.
 
@@ -160,26 +188,17 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     LtcgearError
         If the folder is missing or cannot be written.
     """
-    check_target(path)
-    handle, draft = tempfile.mkstemp(dir=path.resolve().parent, prefix=".draft-", suffix=".nc")
-    os.close(handle)
-    try:
+    with written_whole(path) as draft:
         dataset.to_netcdf(draft, engine="netcdf4")
-        Path(draft).chmod(0o644)
-        Path(draft).replace(path)
-    except OSError as error:
-        raise LtcgearError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        Path(draft).unlink(missing_ok=True)
 
 
-def load(path: Path) -> "xr.Dataset":
+def load(path: Path) -> Result:
     """Read a result file into memory.
 
     Raises
     ------
     LtcgearError
-        If it is missing, damaged or not a result of ltcgear.
+        If it is missing, damaged, not a result of ltcgear, or of another form.
     """
     import xarray as xr
 
@@ -188,8 +207,34 @@ def load(path: Path) -> "xr.Dataset":
     try:
         with xr.open_dataset(path, engine="netcdf4") as opened:
             dataset = opened.load()
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
+    except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF4 file ({error}); simulate again") from error
-    if "ltcgear" not in dataset.attrs:
+    _check_form(path, dataset)
+    return Result(dataset, _summary(path, dataset))
+
+
+def _check_form(path: Path, dataset: "xr.Dataset") -> None:
+    """Refuse a file that is no result, or one of another form."""
+    version, form = dataset.attrs.get("ltcgear"), dataset.attrs.get("result_format", 0)
+    if version is None:
         raise LtcgearError(f"{path}: not a result of ltcgear; give a file that `ltcgear simulate -o` wrote")
-    return dataset
+    if str(dataset.attrs.get("status", "")).startswith(UNFINISHED):
+        raise LtcgearError(f"{path}: the part of a run that is not finished; --resume goes on with it")
+    if form != FORM:
+        age = "older" if not isinstance(form, str) and form < FORM else "newer"
+        raise LtcgearError(
+            f"{path}: has form {form}, of ltcgear {version}, {age} than form {FORM}, which this one reads; "
+            "simulate again, or read it with xarray"
+        )
+    needed = ("time", "state", "reference_angle", "parameter_value")
+    missing = [name for name in needed if name not in dataset.variables]
+    if missing:
+        raise LtcgearError(f"{path}: damaged: {', '.join(missing)} missing; simulate again")
+
+
+def _summary(path: Path, dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return the summary that a file keeps."""
+    try:
+        return read_summary(dataset.attrs)
+    except ValueError as error:
+        raise LtcgearError(f"{path}: damaged: {error}; simulate again") from error

@@ -20,7 +20,8 @@ BLOCK = 2048
 class Block:
     """Samples that follow each other: times [s], states, levels, load signals, shapes (m,) and (m, ...).
 
-    ``phi`` and ``turns`` are the reference angle [rad] less whole turns and these, shapes (m,).
+    ``phi`` and ``turns`` are the reference angle [rad] less whole turns and these, ``steps`` the steps that the
+    integrator had made, shapes (m,).
     """
 
     time: Vector
@@ -29,6 +30,7 @@ class Block:
     signals: Vector
     phi: Vector
     turns: NDArray[np.int64]
+    steps: Vector
 
     @property
     def s(self) -> Vector:
@@ -62,7 +64,7 @@ class Samples:
         self.march, self.last, self.rate, self.push = march, last, rate, push
         self.done = self.held = 0
         self.waiting: list[Block] = []
-        self._wait(np.zeros(1), march.frame.origin[None, :].copy(), levels_of(march.cells)[None, :])
+        self._wait(np.zeros(1), march.frame.origin[None, :].copy(), levels_of(march.cells)[None, :], np.zeros(1))
 
     @property
     def end(self) -> float:
@@ -80,18 +82,18 @@ class Samples:
         count, state.filled = state.filled, 0
         if not count:
             return
-        self._wait(*(arrays[f"sample_{name}"][:count].copy() for name in ("time", "x", "levels")))
+        self._wait(*(arrays[f"sample_{name}"][:count].copy() for name in ("time", "x", "levels", "steps")))
         if self.held >= BLOCK:
             self.flush()
 
-    def _wait(self, time: Vector, x: Vector, levels: Vector) -> None:
+    def _wait(self, time: Vector, x: Vector, levels: Vector, steps: Vector) -> None:
         """Keep samples until their block is handed on; the states get the turns that were taken off."""
         march, count = self.march, len(time)
         phi, turns = np.zeros(count), np.full(count, march.turns)
         if march.angle >= 0:
             phi = x[:, march.angle].copy()
             x[:, march.angle] += TURN * march.turns
-        self.waiting.append(Block(time, x, levels, march.signals.over(time), phi, turns))
+        self.waiting.append(Block(time, x, levels, march.signals.over(time), phi, turns, steps))
         self.done, self.held = self.done + count, self.held + count
 
     def flush(self) -> None:

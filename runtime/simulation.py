@@ -1,24 +1,24 @@
 """The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
 
-import json
 import os
-import sys
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
-from importlib.metadata import version
+from dataclasses import asdict
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.errors import LtcgearError
 
 from .accuracy import estimate_accuracy
+from .attributes import to_attributes
 from .choice import Choice, choose
+from .dataset import make_dataset
+from .energy import energy_residual
 from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import Integration, Outcome, check_length
 from .kernel import Kernel
 from .library import Library
 from .reading import Reader, Rows, by_quantity, join_rows
-from .results import energy_residual, make_dataset
+from .results import Result
 from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics, steady_start
@@ -55,14 +55,6 @@ def check_size(library: Library, samples: float) -> None:
             f"the run would take {need / 1e9:.0f} GB of {have / 1e9:.0f} GB memory; lower t_end or rate, or write it "
             "to a file (simulate -o FILE.nc, or record)"
         )
-
-
-@dataclass(frozen=True)
-class Result:
-    """A simulation: the data, and the summary that ``ltcgear simulate --json`` prints."""
-
-    dataset: "xr.Dataset"
-    summary: dict[str, Any]
 
 
 def simulate(
@@ -128,12 +120,12 @@ class Run:
 
     The first and the last use CasADi, which serves one thread only; with ``erk`` the one between them does not.
 
+    Parameters that are not listed are those of ``simulate``.
+
     Parameters
     ----------
     p
         Parameters, shape (n_p,).
-
-    Other parameters are those of ``simulate``.
 
     Raises
     ------
@@ -161,7 +153,7 @@ class Run:
     def conclude(self) -> tuple["xr.Dataset", dict[str, Any]]:
         """Return the data and the summary."""
         outcome, clock = self.integration.conclude(), perf_counter()
-        dataset = make_dataset(self.library, join_rows([*self.rows, self.reader.finish()]), outcome.extremes)
+        dataset = make_dataset(self.library, self.p, join_rows([*self.rows, self.reader.finish()]), outcome.extremes)
         outcome.seconds["outputs"] += perf_counter() - clock
         about = summarise(self.library, self.p, self.at, outcome, _forces(dataset))
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
@@ -192,19 +184,6 @@ def list_settings(library: Library, choice: Choice, rtol: float, oversample: int
         "rtol": rtol,
         "oversample": oversample,
     }
-
-
-def to_attributes(attributes: Mapping[str, Any] | None, summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a result tells about itself: versions, what is known of its scene, and its summary."""
-    told = {**_versions(), **(attributes or {}), **summary}
-    told.pop("forces", None)
-    return {k: v if isinstance(v, (str, int, float)) else json.dumps(v) for k, v in told.items()}
-
-
-def _versions() -> dict[str, Any]:
-    """Return the versions at work."""
-    versions = {name: version(name) for name in ("ltcgear", "casadi", "numpy", "xarray")}
-    return {"ltcgear": versions["ltcgear"], "versions": versions | {"python": sys.version.split()[0]}}
 
 
 def summarise(

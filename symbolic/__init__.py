@@ -8,6 +8,7 @@ from typing import Any
 
 _HOME = {
     "SceneBuilder": "builder",
+    "describe_scene": "scene",
     "load_scene": "scene",
     "make_scene": "scene",
     "restore_scene": "scene",

@@ -46,6 +46,17 @@ def shipped_scenes() -> list[str]:
     return sorted(Path(entry.name).stem for entry in SHIPPED.iterdir() if entry.name.endswith(".toml"))
 
 
+def read_scene_text(source: str | Path) -> str:
+    """Return the text of a scene as it was written, for result files to keep.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read.
+    """
+    return _read(source)[1]
+
+
 def load_scene(source: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
     """Read a scene.
 
@@ -114,6 +125,20 @@ def restore_scene(text: str) -> Scene:
     except (ValueError, RecursionError, AttributeError, KeyError, TypeError) as error:
         raise SceneError(f"{label}: is not what ltcgear writes: {_clean(str(error))}") from error
     return _freeze(kept, name, sources, label, [])
+
+
+def describe_scene(scene: Scene, text: str = "", changes: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """Return what a result keeps of its scene (``attributes`` of ``simulate``), so that it can be restored from it.
+
+    Parameters
+    ----------
+    scene
+        The scene; all its numbers and their sources are kept.
+    text, changes
+        The scene as it was written, and what was put in place of its values.
+    """
+    kept = {"scene": scene.name, "title": scene.title, "scene_json": scene.model_dump_json()}
+    return kept | {"scene_text": text, "changes": dict(changes or {})}
 
 
 def _freeze(

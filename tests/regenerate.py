@@ -4,6 +4,7 @@ import sys
 from pathlib import Path
 
 from ltcgear.generated import store
+from ltcgear.runtime.cli.command_page import write_commands
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.effect_page import write_effects
 from ltcgear.symbolic.pipeline import generate
@@ -12,7 +13,7 @@ from ltcgear.symbolic.scene import load_scene
 COMMITTED = {"rig-2mw": "rig_2mw", "lin-parker-3": "lin_parker_3"}
 ROOT = Path(__file__).parents[1]
 HOME = ROOT / "generated"
-PAGES = {"effects.md": write_effects}
+PAGES = {"commands.md": write_commands, "effects.md": write_effects}
 
 
 def texts(scene: str) -> dict[str, str]:

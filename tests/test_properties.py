@@ -8,9 +8,9 @@ import pint
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from ltcgear.runtime.energy import energy_residual
 from ltcgear.runtime.integration import integrate
 from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.results import energy_residual
 
 from stages import Stage, pairs, planetaries
 

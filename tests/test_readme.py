@@ -10,7 +10,10 @@ import pytest
 from ltcgear.symbolic import build_model, load_scene
 
 ROOT = Path(__file__).parents[1]
-PAGES = ("README.md", "docs/scenes.md", "docs/ensembles.md", "docs/modes.md")
+PAGES = (
+    "README.md", "docs/getting-started.md", "docs/from-drawing.md", "docs/scenes.md", "docs/ensembles.md",
+    "docs/modes.md",
+)  # fmt: skip
 
 
 def blocks(page, language):
@@ -26,10 +29,17 @@ def every(language):
     return found
 
 
-def commands():
-    """Return the ltcgear lines of README's shell blocks."""
-    lines = [line for block in blocks("README.md", "sh") for line in block.values[0].splitlines()]
+def commands(page):
+    """Return the ltcgear lines of a page's shell blocks."""
+    lines = [line for block in blocks(page, "sh") for line in block.values[0].splitlines()]
     return [shlex.split(line, comments=True) for line in lines if line.startswith("ltcgear ")]
+
+
+def started(command, folder):
+    """Start a command line in a folder; it must succeed."""
+    program = Path(sys.executable).with_name("ltcgear")
+    done = subprocess.run([program, *command[1:]], cwd=folder, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.parametrize("text", every("toml"))
@@ -47,13 +57,25 @@ def test_python_runs(text, tmp_path):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("command", [pytest.param(command, id=" ".join(command)) for command in commands()])
-def test_commands_run(command, tmp_path):
-    program = Path(sys.executable).with_name("ltcgear")
-    done = subprocess.run(
-        [program, *command[1:]], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Where README's commands are typed, one after the other."""
+    return tmp_path_factory.mktemp("readme")
+
+
+@pytest.mark.parametrize("command", [pytest.param(one, id=" ".join(one)) for one in commands("README.md")])
+def test_commands_run(command, folder):
+    started(command, folder)
+
+
+def test_the_page_of_results_runs(tmp_path):
+    page = "docs/results.md"
+    started(["ltcgear", "simulate", "lsp", "-o", "lsp.nc"], tmp_path)
+    for command in commands(page):
+        started(command, tmp_path)
+    for block in blocks(page, "python"):
+        test_python_runs(block.values[0], tmp_path)
+    assert (tmp_path / "lsp.csv").stat().st_size > 1e4
 
 
 def test_the_scene_of_the_readme_simulates(tmp_path):
@@ -65,3 +87,13 @@ def test_the_scene_of_the_readme_simulates(tmp_path):
             cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60,
         )  # fmt: skip
         assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(
+    ("page", "scene"), [("docs/getting-started.md", "fan.toml"), ("docs/from-drawing.md", "winch.toml")]
+)
+def test_the_commands_of_a_guide_run(page, scene, tmp_path):
+    (tmp_path / scene).write_text(blocks(page, "toml")[0].values[0], encoding="utf-8")
+    for command in commands(page):
+        started(command, tmp_path)
+    assert list(tmp_path.glob("*.nc"))

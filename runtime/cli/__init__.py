@@ -5,10 +5,11 @@ import os
 # The matrices are small: threads of the linear algebra would only wait for each other (seen: 100 ms in place of 1).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from . import describe, equations, influences, linear, measuring, resonance, running, stability, testing
+from . import describe, equations, influences, linear, measuring, resonance, results, running, stability, testing
 from .app import app, main
 
 __all__ = [
-    "app", "describe", "equations", "influences", "linear", "main", "measuring", "resonance", "running", "stability",
+    "app", "describe", "equations", "influences", "linear", "main", "measuring", "resonance", "results", "running",
+    "stability",
     "testing",
 ]  # fmt: skip

@@ -3,7 +3,7 @@
 import sys
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError
@@ -20,12 +20,13 @@ if TYPE_CHECKING:
 
 @dataclass
 class Opened:
-    """A scene on its way through the house, with the seconds each stage took."""
+    """A scene on its way through the house, with what a result keeps of it and the seconds each stage took."""
 
     scene: "Scene"
     model: "Model"
     artifact: Artifact
     key: str
+    about: dict[str, Any]
     seconds: dict[str, float] = field(default_factory=dict)
 
 
@@ -47,16 +48,18 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False)
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import content_key, obtain
     from ltcgear.symbolic.report import load_warnings
-    from ltcgear.symbolic.scene import load_scene
+    from ltcgear.symbolic.scene import describe_scene, load_scene, read_scene_text
 
     clock = perf_counter()
-    scene = load_scene(name, split_changes(changes))
+    replaced = split_changes(changes)
+    scene = load_scene(name, replaced)
     model = build_model(scene)
     seconds = {"load": perf_counter() - clock}
     for line in [*warnings(scene, model), *load_warnings(scene)]:
         print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
+    about = describe_scene(scene, read_scene_text(name), replaced)
     artifact = obtain(model, lambda stage, taken: seconds.update({stage: taken}), fresh)
-    return Opened(scene, model, artifact, content_key(model), seconds)
+    return Opened(scene, model, artifact, content_key(model), about, seconds)
 
 
 def compile_model(opened: Opened) -> "Library":

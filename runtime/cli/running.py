@@ -111,7 +111,7 @@ def run(
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
-    about: dict[str, Any] = {"scene": opened.scene.name, "title": opened.scene.title}
+    about = dict(opened.about)
     told_of: dict[str, Any] = {}
     if accuracy is not None:
         setting = find_setting(opened, library, accuracy, record_file)
@@ -125,7 +125,7 @@ def run(
             "method": method,
             "rtol": rtol,
             "oversample": oversample,
-            "attributes": about | {"scene_json": opened.scene.model_dump_json()},
+            "attributes": about,
             "told": told,
             "tables": opened.model.tables,
             "verify": verify,
@@ -184,7 +184,7 @@ def paper(
     file = output / "rig-2mw.nc"
     summary = run("rig-2mw", changes, file, t_end, method, 1e-6, oversample=8)
     _finished(summary)
-    dataset = load(file)
+    dataset = load(file).dataset
     tables = compare(dataset)
     figures = [*paper_figures(dataset, output), overview_figure(dataset, output / "overview.png")]
     data = {

@@ -15,8 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..energy import energy_residual
 from ..integration import Trajectory
-from ..results import energy_residual
 from ..signals import Pairs
 from .case import Bench, Finding, HardCase, Open
 from .pair import Pair, read

@@ -7,9 +7,9 @@ from math import pi
 import numpy as np
 from ltcgear.generated.contract import BACK
 
+from ..energy import energy_residual
 from ..integration import Trajectory
 from ..kernel import Kernel
-from ..results import energy_residual
 from .case import Bench, Finding, HardCase, Open
 from .pair import read, read_power_lost
 from .planets import RubbingPlanets

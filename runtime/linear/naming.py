@@ -4,15 +4,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from ltcgear.generated.contract import Manifest
 
+from ..ends import HOUSING, label, list_ends, whole
 from .energies import Energies, family
 from .modes import SHARE, Mode
 from .system import Linear
 
-HOUSING = "housing"
-ENDS = {"sun_planet": "sun", "ring_planet": "ring", "pin": "carrier"}
-"""What stands at the other end of a planet's elements."""
 STILL = 1e-9
 """Strain over kinetic energy below which a motion strains nothing."""
 
@@ -24,7 +21,7 @@ def describe_modes(linear: Linear, modes: list[Mode]) -> list[Mode]:
     after what moves most on either side of it when the train is cut there. Planets of a stage count as one, and so
     does a stage that is not itself cut.
     """
-    energies, ends = Energies(linear), list_ends(linear)
+    energies, ends = Energies(linear), list_ends(linear.library)
     carried = linear.motions.matrix[:, linear.kept[linear.positions]]
     moved = carried @ np.array([mode.shape[linear.positions] for mode in modes]).T
     kinetic = linear.motions.mass @ np.abs(moved) ** 2 / 2
@@ -87,54 +84,6 @@ def _reached(start: str, cut: str, ends: Mapping[str, list[str]]) -> list[str]:
             if element != cut and name in (one, two) and HOUSING not in (one, two):
                 reached += [end for end in (one, two) if end not in reached]
     return reached
-
-
-def list_ends(linear: Linear) -> dict[str, list[str]]:
-    """Return by family of elements the two things it joins."""
-    manifest = linear.library.manifest
-    found: dict[str, list[str]] = {}
-    for report in manifest.reports:
-        if report.quantity in ("mesh_force", "pin_force_x"):
-            stage, part = report.item.split(".")[:2]
-            orbiting = [f"{stage}.{ENDS[part]}", f"{stage} planets"] if part in ENDS else None
-            found[f"{stage}.{part}"] = orbiting or [f"{stage}.input", f"{stage}.output"]
-        elif report.quantity == "bearing_force_x":
-            found[f"{report.item}.bearing"] = [report.item, HOUSING]
-        elif report.quantity == "support_torque":
-            found[f"{report.item}.torsional_support"] = [report.item, HOUSING]
-    return found | _couplings(linear)
-
-
-def _couplings(linear: Linear) -> dict[str, list[str]]:
-    """Return what couplings join: members whose deviations their torques follow, and one that has none of its own."""
-    manifest = linear.library.manifest
-    pattern = linear.library.graphs["outputs"].jac_sparsity(0, 0)
-    rows, columns = (np.array(part) for part in pattern.get_triplet())
-    found = {}
-    for i, report in enumerate(manifest.reports):
-        if report.quantity == "coupling_torque":
-            seen = [label(manifest.states[k].body) for k in columns[rows == i]]
-            names = [name for name in dict.fromkeys(seen) if name]
-            found[f"couplings.{report.item}"] = [*names, *[_lead(manifest)] * 2][:2]
-    return found
-
-
-def _lead(manifest: Manifest) -> str:
-    """Name the member that has no deviation of its own: the reference, or the one whose speed is held."""
-    drives = [report.item for report in manifest.reports if report.quantity == "drive_torque"]
-    if manifest.reference == "torque":
-        return next(state.body for state in manifest.states if state.name == "reference.speed")
-    return drives[0] if len(drives) == 1 else "a held member"
-
-
-def label(body: str) -> str:
-    """Return a body's name; the planets of a stage share one."""
-    return f"{body.split('.')[0]} planets" if ".planet." in body else body
-
-
-def whole(name: str) -> str:
-    """Return the stage of a member, or the rotor's own name."""
-    return name.replace(" ", ".").split(".")[0]
 
 
 def sum_by(shares: Mapping[str, float], name: Callable[[str], str]) -> dict[str, float]:

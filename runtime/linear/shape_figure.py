@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
-from .shapes import exaggerate, lay_out
+from ..sheet import lay_out
+from .shapes import exaggerate
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -15,8 +16,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ..sheet import Disc, Sheet
     from .modes import Mode
-    from .shapes import Disc, Motion, Sheet
+    from .shapes import Motion
     from .system import Linear
 
 COLOURS = {
@@ -43,7 +45,7 @@ def draw_shapes(linear: Linear, modes: list[Mode], numbers: list[int], title: st
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    sheet = lay_out(linear)
+    sheet = lay_out(linear.library, linear.p)
     wide = sheet.width > 3 * sheet.height
     columns = 1 if len(numbers) == 1 else 2 if wide else 3
     rows = -(-len(numbers) // columns)

@@ -6,14 +6,16 @@ import json
 from html import escape
 from typing import TYPE_CHECKING
 
+from ..sheet import lay_out
 from .shape_figure import COLOURS, caption
-from .shapes import exaggerate, lay_out
+from .shapes import exaggerate
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from ..sheet import Disc, Sheet
     from .modes import Mode
-    from .shapes import Disc, Motion, Sheet
+    from .shapes import Motion
     from .system import Linear
 
 WIDTH = 640
@@ -66,7 +68,7 @@ def write_page(linear: Linear, modes: list[Mode], numbers: list[int], title: str
     path
         File to write.
     """
-    sheet = lay_out(linear)
+    sheet = lay_out(linear.library, linear.p)
     figures = "\n".join(_figure(sheet, k, modes[k - 1], exaggerate(linear, sheet, modes[k - 1])) for k in numbers)
     legend = ", ".join(
         f'<b style="color:{COLOURS[part]}">{part}</b>' for part in dict.fromkeys(d.part for d in sheet.discs)

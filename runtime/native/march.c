@@ -129,7 +129,7 @@ EXPORTED void ltcgear_pass(march *m, double duration, double knot) {
   m->unpassed = met ? 0.0 : due - (m->time - before);
 }
 
-/* Read the samples that lie in the arc, its end included. */
+/* Read the samples that lie in the arc, its end included; steps are counted as if they were equally long in it. */
 static int take_samples(march *m, double start) {
   double end = start + m->reached * (1 + 1e-12);
   for (; m->done <= m->last && (double)m->done / m->sampling <= end; ++m->done, ++m->filled) {
@@ -137,6 +137,7 @@ static int take_samples(march *m, double start) {
     if (read_path(m, (time - start) / m->reached, x)) return BESIDE;
     for (whole i = 0; i < m->n; ++i) x[i] = m->origin[i] + m->scale[i] * x[i];
     m->sample_time[m->filled] = time;
+    m->sample_steps[m->filled] = (double)m->began + (double)(m->steps - m->began) * (time - start) / m->reached;
     memcpy(m->sample_levels + m->filled * m->n_levels, m->s, (size_t)m->n_levels * sizeof *m->s);
   }
   return DONE;
@@ -181,6 +182,7 @@ static int segment(march *m) {
   double duration = most;
   if (!m->finds_borders) duration = smaller(ltcgear_time_to_border(count, m->cells, m->now, m->gain), most);
   if (!(duration > 0)) return TOGETHER;
+  m->began = m->steps;
   int fault = settle(m);
   if (!fault) fault = go_to_border(m, duration, most);
   return fault ? fault : arrive(m);

@@ -7,11 +7,11 @@ import pytest
 from ltcgear.generated.errors import SceneError, SolverError
 from ltcgear.runtime.batch import over_time
 from ltcgear.runtime.continuation import follow
+from ltcgear.runtime.energy import energy_residual
 from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.library import build
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.system import linearise
-from ltcgear.runtime.results import energy_residual
 from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model

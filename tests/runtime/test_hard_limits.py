@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime.dataset import make_dataset
 from ltcgear.runtime.guard import check_explicit
 from ltcgear.runtime.hard import limits, symmetry
 from ltcgear.runtime.hard.case import Bench
@@ -12,7 +13,6 @@ from ltcgear.runtime.integration import integrate
 from ltcgear.runtime.library import build
 from ltcgear.runtime.reading import sampled
 from ltcgear.runtime.relaxation import relax
-from ltcgear.runtime.results import make_dataset
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
@@ -40,7 +40,8 @@ def test_a_run_in_which_gears_collide_keeps_only_finite_values(method):
     assert 0.05 < path.end < 0.15
     assert path.status.startswith(f"{method} stopped at t = 0.0")
     assert "gears of psh.mesh come so close" in path.status
-    assert np.isfinite(make_dataset(bench.library, sampled(bench.library, path, bench.p, 1))["mesh_force"].values).all()
+    data = make_dataset(bench.library, bench.p, sampled(bench.library, path, bench.p, 1))
+    assert np.isfinite(data["mesh_force"].values).all()
     assert np.isfinite(path.x).all()
     assert len(path.time) > 100
 

@@ -9,12 +9,12 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError, LtcgearError
 from ltcgear.runtime import native, stepper
 from ltcgear.runtime.batch import over_time
+from ltcgear.runtime.energy import energy_residual
 from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium, mean_levels, start_state, state_matrix
 from ltcgear.runtime.integration import integrate
 from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import Library, build, external
 from ltcgear.runtime.nodes import Chebyshev, Uniform
-from ltcgear.runtime.results import energy_residual
 from ltcgear.runtime.stepper import METHODS, MULTISTEP
 from scipy.linalg import expm
 

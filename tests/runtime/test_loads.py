@@ -7,11 +7,12 @@ import pytest
 from ltcgear.generated.contract import Signal
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.batch import over_time
+from ltcgear.runtime.dataset import make_dataset
+from ltcgear.runtime.energy import energy_residual
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.integration import integrate
 from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.reading import sampled
-from ltcgear.runtime.results import energy_residual, make_dataset
 from ltcgear.runtime.signals import Signals
 from ltcgear.runtime.simulation import simulate
 from ltcgear.runtime.stepper import METHODS
@@ -359,7 +360,7 @@ def test_a_result_shows_loads_over_time():
     assert given.values == pytest.approx(np.interp(result.dataset.time.values, *np.array(rows).T), abs=1e-9)
     assert given.attrs["units"] == "N*m"
     path = c.run(method="erk", rtol=1e-6, t_end=0.05, rate=2000.0)
-    assert make_dataset(c.library, sampled(c.library, path, c.p, 1))["load_torque"].shape == (101, 1)
+    assert make_dataset(c.library, c.p, sampled(c.library, path, c.p, 1))["load_torque"].shape == (101, 1)
 
 
 def test_the_equilibrium_is_that_just_before_the_start():

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from ltcgear.generated.contract import HELD
+from ltcgear.runtime.energy import energy_residual
 from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.results import energy_residual
 from ltcgear.runtime.stepper import METHODS
 
 from .models import case

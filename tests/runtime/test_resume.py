@@ -90,7 +90,7 @@ def test_a_run_that_goes_on_is_the_one_never_stopped(killed, tmp_path, name):
         whole = write(c, tmp_path / "whole.nc", **options)
     summary = killed(c, tmp_path / "parts.nc", (1, 2, 5), **options)
     assert whole["status"] == "done"
-    one, two = load(tmp_path / "whole.nc"), load(tmp_path / "parts.nc")
+    one, two = load(tmp_path / "whole.nc").dataset, load(tmp_path / "parts.nc").dataset
     assert one["state"].values.std(axis=0).max() > 0
     assert_same(one, two)
     assert told(summary) == told(whole)
@@ -131,13 +131,13 @@ def test_ctrl_c_keeps_a_result_and_what_it_takes_to_go_on(tmp_path):
     summary = write(c, target, oversample=2, **stop)
     assert summary["status"].startswith("interrupted at t = ")
     assert summary["status"].endswith("--resume goes on")
-    found = load(target)
+    found = load(target).dataset
     assert found.attrs["status"] == summary["status"]
     assert 1 < found.sizes["time"] < 1001
     assert part_of(target).exists()
     assert checkpoint_of(target).exists()
     assert write(c, target, oversample=2, resume=True)["status"] == "done"
-    assert_same(load(target), load(tmp_path / "whole.nc"))
+    assert_same(load(target).dataset, load(tmp_path / "whole.nc").dataset)
 
 
 def test_a_full_disk_is_told_and_the_run_goes_on_later(tmp_path, monkeypatch):
@@ -152,7 +152,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_later(tmp_path, monkeypatch):
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert write(c, target, resume=True)["status"] == "done"
-    assert_same(load(target), load(tmp_path / "whole.nc"))
+    assert_same(load(target).dataset, load(tmp_path / "whole.nc").dataset)
 
 
 # --- refusals
@@ -256,7 +256,7 @@ def test_a_killed_program_leaves_a_readable_file_and_goes_on(tmp_path):
     whole, target = tmp_path / "whole.nc", tmp_path / "a.nc"
     with start(whole) as program:
         assert program.wait(timeout=120) == 0
-    wanted, generator = load(whole), np.random.default_rng(4)
+    wanted, generator = load(whole).dataset, np.random.default_rng(4)
     sizes = []
     for trial in range(4):
         with start(target, *(["--resume"] if trial else [])) as program:
@@ -279,5 +279,5 @@ def test_a_killed_program_leaves_a_readable_file_and_goes_on(tmp_path):
     assert 0 < sizes[0] < sizes[-1] < wanted.sizes["time"]
     with start(target, "--resume") as program:
         assert program.wait(timeout=120) == 0
-    assert_same(load(target), wanted)
+    assert_same(load(target).dataset, wanted)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "whole.nc"]

@@ -6,9 +6,11 @@ import tracemalloc
 
 import numpy as np
 import pytest
+import xarray as xr
 from ltcgear.runtime import integration, sampling, stepper
+from ltcgear.runtime.part import part_of
 from ltcgear.runtime.reading import Reader, by_quantity, join_rows, sampled
-from ltcgear.runtime.recording import record
+from ltcgear.runtime.recording import Recorder, record
 from ltcgear.runtime.results import load
 from ltcgear.runtime.sampling import Block
 from ltcgear.runtime.simulation import simulate
@@ -60,7 +62,7 @@ def test_a_streamed_result_is_the_one_in_memory(tmp_path, monkeypatch, settings,
     monkeypatch.setattr(sampling, "BLOCK", 10**9)
     monkeypatch.setattr(integration, "MARK_SECONDS", np.inf)
     kept = keep(c, oversample=oversample, attributes={"scene": "psh"})
-    found = load(tmp_path / "a.nc")
+    found = load(tmp_path / "a.nc").dataset
     assert found.sizes["time"] == 1001
     assert np.ptp(found["mesh_force"].values) > 1e3
     assert_same(found, kept.dataset)
@@ -76,7 +78,7 @@ def test_a_failed_run_keeps_its_samples_and_leaves_nothing_to_go_on_from(tmp_pat
     monkeypatch.setattr(stepper, "MOST_STEPS", 2)
     summary = write(c, tmp_path / "a.nc", method="cvodes")
     assert summary["status"].startswith("cvodes stopped at t = ")
-    found = load(tmp_path / "a.nc")
+    found = load(tmp_path / "a.nc").dataset
     assert found.attrs["status"] == summary["status"]
     assert found.sizes["time"] >= 1
     assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
@@ -117,7 +119,7 @@ def whole_filter(c, path, oversample):
 def test_blocks_of_any_size_read_alike(count):
     c = case("psh")
     path = c.run(method="erk", rtol=1e-6, rate=30e3, t_end=0.03)
-    cut = {name: getattr(path, name)[:count] for name in ("time", "x", "levels", "signals", "phi", "turns")}
+    cut = {name: getattr(path, name)[:count] for name in ("time", "x", "levels", "signals", "phi", "turns", "steps")}
     whole = sampled(c.library, Block(**cut), c.p, 3)
     generator = np.random.default_rng(count)
     for longest in (2, 40, 300):
@@ -183,3 +185,18 @@ def test_ctrl_c_stops_between_segments():
     assert 0 < path.end < 10
     assert abs(path.time[-1] - path.end) < 1 / 20e3
     assert signal.getsignal(signal.SIGINT) is before
+
+
+@pytest.mark.parametrize("length", [0, 1000, 5000, 6000, 7000, 7900, 8000, 8100, 20000])
+def test_rows_are_where_netcdf_reads_them_however_long_the_heading(length, tmp_path):
+    """NetCDF pads files of some sizes; records do not end where the file does."""
+    c, target = case("psh"), tmp_path / "a.nc"
+    recorder = Recorder(c.library, c.p, target, 8192.0, 1, {"about": "x" * length}, None)
+    with recorder.part as part:
+        rows = np.zeros(3, part.record)
+        for place, name in enumerate(part.record.names):
+            rows[name] = place + 1
+        part.append({name: rows[name] for name in part.record.names})
+    with xr.open_dataset(part_of(target), engine="netcdf4") as found:
+        assert found.sizes["time"] == 3
+        assert all((found[name].values == k).all() for k, name in enumerate(part.record.names, start=1))

@@ -1,0 +1,78 @@
+"""Attributes: what a result file tells about its run, as NetCDF keeps it, and read back."""
+
+import json
+import math
+import sys
+from collections.abc import Mapping
+from importlib.metadata import version
+from typing import Any
+
+PLAIN = (
+    "scene", "method", "why", "engine", "rtol", "oversample", "status", "simulated_s", "real_time_factor",
+    "energy_residual", "static_strain_j",
+)  # fmt: skip
+"""Parts of a summary that are text or a number."""
+STRUCTURED = ("counts", "warnings", "seconds", "accuracy", "setting")
+"""Parts that are kept as JSON."""
+UNFINISHED = "not finished"
+"""How the status of a part begins."""
+FORCES, STATISTICS = "forces", "statistics"
+"""What statistics of mesh forces are called in a summary, and in a file."""
+
+
+def to_attributes(attributes: Mapping[str, Any] | None, summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a result tells about itself: versions, what is known of its scene, and its summary."""
+    told = {**_versions(), **(attributes or {}), **summary}
+    if FORCES in told:
+        told[STATISTICS] = told.pop(FORCES)
+    return {k: v if isinstance(v, (str, int, float)) else json.dumps(finite(v)) for k, v in told.items()}
+
+
+def read_summary(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the summary that attributes keep.
+
+    Raises
+    ------
+    ValueError
+        If one is missing, or not what ltcgear writes.
+    """
+    missing = [name for name in ("method", "status", "counts", "warnings", STATISTICS) if name not in attributes]
+    if missing:
+        raise ValueError(f"attribute {missing[0]} is missing")
+    kept: dict[str, Any] = {name: attributes[name] for name in PLAIN if name in attributes}
+    kept = {name: value.item() if hasattr(value, "item") else value for name, value in kept.items()}
+    kept["why"] = None if kept.get("why") == "null" else kept.get("why")
+    structured = {name: _read(attributes, name) for name in (*STRUCTURED, STATISTICS) if name in attributes}
+    forces = structured.pop(STATISTICS, {})
+    return kept | structured | {FORCES: {mesh: _numbers(one) for mesh, one in forces.items()}}
+
+
+def _read(attributes: Mapping[str, Any], name: str) -> Any:  # noqa: ANN401
+    """Read one attribute as JSON."""
+    try:
+        value = json.loads(attributes[name])
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"attribute {name} is no JSON") from error
+    if not isinstance(value, list if name == "warnings" else dict):
+        raise ValueError(f"attribute {name} is {type(value).__name__}")
+    return value
+
+
+def _numbers(one: Mapping[str, float | None]) -> dict[str, float]:
+    """Return statistics with what JSON does not know as numbers again."""
+    return {name: math.nan if value is None else value for name, value in one.items()}
+
+
+def finite(data: Any) -> Any:  # noqa: ANN401
+    """Replace numbers that JSON does not know by null."""
+    if isinstance(data, dict):
+        return {key: finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
+
+
+def _versions() -> dict[str, Any]:
+    """Return the versions at work."""
+    versions = {name: version(name) for name in ("ltcgear", "casadi", "numpy", "xarray")}
+    return {"ltcgear": versions["ltcgear"], "versions": versions | {"python": sys.version.split()[0]}}

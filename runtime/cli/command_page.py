@@ -1,0 +1,91 @@
+"""The page docs/commands.md, written from the command line itself."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from typer.main import get_command
+
+HEAD = """# Commands
+
+`ltcgear COMMAND --help` prints what stands here. SCENE is the name of a shipped scene (`ltcgear scenes`) or a TOML
+file.
+
+- With `--json` a command prints one JSON object and nothing else on standard output; messages go to standard error.
+- Exit codes: 0 done, 1 a check failed, 2 bad input, 3 the solver or the compiler failed, 130 stopped by Ctrl-C.
+- C that was made once is kept in a store in the user's cache folder; the environment variable `LTCGEAR_CACHE` names
+  another folder.
+
+This page is written by `make docs` from the commands.
+
+| command | what it does |
+|---|---|
+"""
+FLAG_TEXT = {True: "on", False: "off"}
+
+
+def write_commands() -> str:
+    """Return the page as Markdown."""
+    from .app import app
+
+    commands: dict[str, Any] = dict(sorted(get_command(app).commands.items()))  # type: ignore[attr-defined]
+    rows = [f"| [{name}](#{name}) | {_cell(_summary(command))} |\n" for name, command in commands.items()]
+    return HEAD + "".join(rows) + "".join(_section(name, command) for name, command in commands.items())
+
+
+def _summary(command: Any) -> str:  # noqa: ANN401
+    """Return the first sentence of a command's help."""
+    return " ".join(command.help.split()).split(". ")[0].rstrip(".") + "."
+
+
+def _section(name: str, command: Any) -> str:  # noqa: ANN401
+    """Write what there is to say about one command."""
+    arguments = [item for item in command.params if item.param_type_name == "argument"]
+    usage = " ".join([f"ltcgear {name}", *(_metavar(item) for item in arguments), "[OPTIONS]"])
+    rows = "".join(_row(item) for item in command.params)
+    text = " ".join(command.help.split())
+    return f"\n## {name}\n\n    {usage}\n\n{text}\n\n| given | default | meaning |\n|---|---|---|\n{rows}"
+
+
+def _metavar(argument: Any) -> str:  # noqa: ANN401
+    """Return how an argument stands in the usage, in brackets where it may be left out."""
+    text = (argument.metavar or argument.name.upper()).strip("[]")
+    return text if argument.required else f"[{text}]"
+
+
+def _row(parameter: Any) -> str:  # noqa: ANN401
+    """Write one argument or option."""
+    if parameter.param_type_name == "argument":
+        given = f"`{_metavar(parameter)}`"
+    else:
+        taken = "" if parameter.is_flag else f" {parameter.metavar or 'VALUE'}"
+        given = ", ".join(f"`{option}{taken}`" for option in _options(parameter))
+    return f"| {_cell(given)} | {_cell(_default(parameter))} | {_cell(_meaning(parameter))} |\n"
+
+
+def _meaning(parameter: Any) -> str:  # noqa: ANN401
+    """Return the help, and whether an option may be given again where the help does not say it."""
+    text = parameter.help or ""
+    told = " again" in text or not getattr(parameter, "multiple", False)
+    return str(text) if told else f"{text} May be given again."
+
+
+def _options(option: Any) -> Iterator[str]:  # noqa: ANN401
+    """List the spellings of an option, the short one first."""
+    yield from sorted([*option.opts, *option.secondary_opts], key=len)
+
+
+def _default(parameter: Any) -> str:  # noqa: ANN401
+    """Write what holds where nothing is given."""
+    shown, value = parameter.show_default, parameter.default
+    if isinstance(shown, str):
+        return shown
+    if parameter.required:
+        return "must be given"
+    if value is None or isinstance(value, bool):
+        return "none" if value is None else FLAG_TEXT[value]
+    return f"`{value}`"
+
+
+def _cell(text: str) -> str:
+    """Keep bars from ending a table's cell."""
+    return text.replace("|", "\\|")
