@@ -14,7 +14,7 @@ from ..frames import FrameMotion
 from ..model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, Body, Instance, Model, Profile
 from . import waves
 from .laws import Law, write_law
-from .motion import Assignment, Leaf, Motion, rotated
+from .motion import Assignment, Leaf, Motion, rotate
 
 
 @dataclass(frozen=True)
@@ -233,7 +233,7 @@ class _Writing(Motion):
         """Return mass times offset in the frame, named once."""
         names = f"s_x@{body.name}", f"s_y@{body.name}"
         if names[0] not in self.named:
-            turned = rotated(self.turning(body)[0], *self._static(body))
+            turned = rotate(self.turning(body)[0], *self._static(body))
             self.named |= {n: self.name(n, v, body.name) for n, v in zip(names, turned, strict=True)}
         return self.named[names[0]], self.named[names[1]]
 

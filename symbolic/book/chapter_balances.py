@@ -7,10 +7,10 @@ from ..frames import FrameMotion
 from ..model import Body, Model
 from ..variants import freedoms
 from .assembly import Assembly, assemble, list_terms
-from .chapter_laws import in_places
+from .chapter_laws import name_places
 from .content import Chapter, Maths, Part
 from .motion import Assignment, has_turning_frame
-from .notation import break_sum, fill_lines, signed, typeset, write_name
+from .notation import break_sum, fill_lines, put_signs, typeset, write_name
 
 SMALL = 6
 """Freedoms up to which a scene's equations are written out."""
@@ -37,7 +37,7 @@ def _body_law(chapter: Chapter, model: Model) -> None:
     else:
         chapter.say("Newton's and Euler's laws; no frame turns in this scene.")
     for axis, value in zip(("x", "y", "u"), FrameMotion.symbols().newton(), strict=True):
-        chapter.equate(break_sum(rf"\ddot{{{axis}}}", in_places(value, model)))
+        chapter.equate(break_sum(rf"\ddot{{{axis}}}", name_places(value, model)))
     lead = next((body.name for body in model.bodies if body.turning == "reference"), None)
     if lead is not None:
         chapter.equate(break_sum(r"\ddot{\varphi}", real("T") / real("I")), f"torque and inertia are those of {lead}")
@@ -60,7 +60,7 @@ def _sums(chapter: Chapter, model: Model) -> None:
         "are held: their sum is what the housing or the drive takes.",
     )  # fmt: skip
     for name, terms in list_terms(model).items():
-        pieces = signed([rf"\mathbf{{W}}_{{{port}}}^{{({number})}}" for number, port in terms])
+        pieces = put_signs([rf"\mathbf{{W}}_{{{port}}}^{{({number})}}" for number, port in terms])
         body = next(body for body in model.bodies if body.name == name)
         left = write_name(f"W@{name}")
         chapter.equate(fill_lines([f"{left} =", *pieces]), *_described(body))

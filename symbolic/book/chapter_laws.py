@@ -21,7 +21,7 @@ def write_laws(chapter: Chapter, model: Model) -> None:
     """Write the chapter on energies and force laws."""
     chapter.head("Kinetic energy of a body", "kinetic")
     frame: Text = ("in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"), "; X, Y: place in it")
-    chapter.equate(break_sum("T", in_places(kinetic_energy(), model)), *(frame if has_turning_frame(model) else ()))
+    chapter.equate(break_sum("T", name_places(kinetic_energy(), model)), *(frame if has_turning_frame(model) else ()))
     chapter.head("From energies to forces", "lagrange")
     chapter.equate(
         (r"\frac{d}{dt}\frac{\partial T}{\partial\dot{q}} - \frac{\partial T}{\partial q} ="
@@ -32,7 +32,7 @@ def write_laws(chapter: Chapter, model: Model) -> None:
         _write_law(chapter, write_law(key), model)
 
 
-def in_places(expression: sp.Expr, model: Model) -> sp.Expr:
+def name_places(expression: sp.Expr, model: Model) -> sp.Expr:
     """Write a body's place in its frame as X and Y, and leave out turns that a model does not know."""
     f = FrameMotion.symbols()
     known = {f.x: real("X"), f.y: real("Y")} | ({} if has_turning_frame(model) else {f.frame_ratio: sp.S.Zero})

@@ -5,7 +5,7 @@ import sympy as sp
 from ..elements.base import real
 from ..model import Model
 from .content import Chapter, Maths
-from .motion import has_turning_frame, rotated
+from .motion import has_turning_frame, rotate
 from .notation import break_sum, typeset
 
 PHI, PHI_D, RHO, RHO_C, BETA, BETA0, U, U_D = map(real, ("phi", "phi_d", "rho", "rho_C", "beta", "beta_0", "u", "u_d"))
@@ -22,6 +22,8 @@ def write_motion(chapter: Chapter, model: Model) -> None:
     _places(chapter, has_turning_frame(model))
     if any(body.seat is not None for body in model.bodies):
         _seats(chapter)
+    if model.reference == "rest":
+        return
     chapter.head("Speeds of the rigid motion", "ratios")
     values = model.values()
     ratios = [
@@ -76,7 +78,7 @@ def _places(chapter: Chapter, turns: bool) -> None:
 
 def _inertial(chapter: Chapter) -> None:
     """Write places and velocities against the ground."""
-    for left, value in zip((r"x^{\text{inertial}}", r"y^{\text{inertial}}"), rotated(BETA, X, Y), strict=True):
+    for left, value in zip((r"x^{\text{inertial}}", r"y^{\text{inertial}}"), rotate(BETA, X, Y), strict=True):
         chapter.equate(break_sum(left, value))
     chapter.say("Velocities against the ground, resolved in the turning frame:")
     chapter.equate(break_sum("v_{x}", VX - RHO_C * PHI_D * Y))
@@ -90,7 +92,7 @@ def _seats(chapter: Chapter) -> None:
         "What sits on a body, such as a planet on a rigid pin or the teeth of an eccentric gear, "
         "turns about that body's centre."
     )
-    arm = rotated(PSI, X0, Y0)
+    arm = rotate(PSI, X0, Y0)
     for axis, value in zip("xy", arm, strict=True):
         chapter.equate(break_sum(f"a_{{{axis}}}", value), "arm, turned with the seat" if axis == "x" else "")
     ax, ay = sp.symbols("a_x a_y", real=True)

@@ -50,7 +50,7 @@ def write_scene(chapter: Chapter, scene: Scene, model: Model) -> None:
 
 def _plain(value: float | None) -> str:
     """Write a number; nothing for what is not known."""
-    return "" if value is None else f"{value:.6g}"
+    return "" if value is None else f"{value + 0.0:.6g}"
 
 
 def _numbers(scene: Scene) -> Iterator[tuple[Part, Part, Part]]:

@@ -34,7 +34,7 @@ def has_turning_frame(model: Model) -> bool:
     return any(model.frames[body.frame] is not None for body in model.bodies)
 
 
-def rotated(angle: sp.Expr, x: sp.Expr, y: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
+def rotate(angle: sp.Expr, x: sp.Expr, y: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     """Turn a vector by an angle."""
     cos, sin = sp.cos(angle), sp.sin(angle)
     return cos * x - sin * y, sin * x + cos * y
@@ -163,7 +163,7 @@ class Motion:
         names = f"a_x@{body.name}", f"a_y@{body.name}"
         if not any(item.symbol == real(names[0]) for item in self.assigned):
             assert body.seat is not None
-            turned = rotated(self.turning(self.bodies[body.seat])[0], *self.place(body))
+            turned = rotate(self.turning(self.bodies[body.seat])[0], *self.place(body))
             for name, value in zip(names, turned, strict=True):
                 self.name(name, value, body.name)
         return real(names[0]), real(names[1])

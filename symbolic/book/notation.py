@@ -176,10 +176,10 @@ def break_sum(left: str, expression: Any, letters: Mapping[str, Letter] = LETTER
     whole = sp.sympify(expression)
     ordered = _ranked(whole).as_ordered_terms() if whole.is_Add else [_ranked(whole)]
     terms = [str(Printer(letters).doprint(term)) for term in ordered]
-    return fill_lines([f"{left} =", *signed(sorted(terms, key=lambda term: term.startswith("-")))])
+    return fill_lines([f"{left} =", *put_signs(sorted(terms, key=lambda term: term.startswith("-")))])
 
 
-def signed(terms: Sequence[str]) -> list[str]:
+def put_signs(terms: Sequence[str]) -> list[str]:
     """Return the terms of a sum with their signs, but for a plus at its head."""
     told = [f"- {t[1:].lstrip()}" if t.startswith("-") else f"+ {t}" for t in terms]
     return [told[0].removeprefix("+ "), *told[1:]] if told else ["0"]
@@ -189,7 +189,7 @@ def fill_lines(pieces: Sequence[str]) -> tuple[str, ...]:
     """Lay pieces out in lines of bounded length; the first two stay together."""
     lines, line = [], " ".join(pieces[:2])
     for piece in pieces[2:]:
-        if visible(line) + visible(piece) > WIDTH:
+        if count_visible(line) + count_visible(piece) > WIDTH:
             lines.append(line)
             line = piece
         else:
@@ -197,7 +197,7 @@ def fill_lines(pieces: Sequence[str]) -> tuple[str, ...]:
     return (*lines, line)
 
 
-def visible(tex: str) -> int:
+def count_visible(tex: str) -> int:
     """Estimate how many characters of a TeX formula are seen."""
     plain = re.sub(r"\\(operatorname|mathrm|text|left|right|dot|ddot|frac|sqrt|bar)\b", "", tex)
     return len(re.sub(r"\\[a-zA-Z]+", "x", plain).translate(str.maketrans("", "", "{}^_ ,\\")))

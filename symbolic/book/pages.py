@@ -99,8 +99,13 @@ def _plain(text: str) -> str:
 
 
 def tex_text(text: Text) -> str:
-    """Return a text as TeX shows it."""
-    return "".join(f"${part.tex}$" if isinstance(part, Maths) else escape(_words(part)) for part in text)
+    """Return a text as TeX shows it; dotted names may be broken over lines."""
+    return "".join(f"${part.tex}$" if isinstance(part, Maths) else _breakable(_words(part)) for part in text)
+
+
+def _breakable(text: str) -> str:
+    """Let names break behind their dots and underscores."""
+    return re.sub(r"(\_|\.(?=[a-z]))", r"\1\\allowbreak{}", escape(text))
 
 
 def _words(part: str | Link | Mark) -> str:

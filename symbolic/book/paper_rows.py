@@ -9,7 +9,7 @@ import sympy as sp
 
 from ..checks.paper import Verdict, judge_row
 from ..paper import RIGHT, ROWS, Row
-from .notation import Printer, escape, fill_lines, signed
+from .notation import Printer, escape, fill_lines, put_signs
 
 GREEK = ("alpha", "gamma", "delta", "theta", "mu", "phi")
 PREFIXES = {"Delta_gamma": r"\Delta\gamma", "delta_t": r"\delta_{t}"}
@@ -60,10 +60,10 @@ def print_terms(row: Row, terms: Mapping[str, sp.Expr]) -> tuple[str, ...]:
     """Return term groups as lines of one equation, in their order."""
     printer = PaperPrinter()
     if row.definition:
-        return fill_lines([f"{write_paper_name(row.label)} =", *signed([_part(printer, t) for t in terms.values()])])
+        return fill_lines([f"{write_paper_name(row.label)} =", *put_signs([_part(printer, t) for t in terms.values()])])
     left = [_part(printer, term) for group, term in terms.items() if group not in RIGHT]
     right = [_part(printer, -term) for group, term in terms.items() if group in RIGHT]
-    pieces = [*signed(left)] + [f"{'=' if i == 0 else ''} {piece}" for i, piece in enumerate(signed(right))]
+    pieces = [*put_signs(left)] + [f"{'=' if i == 0 else ''} {piece}" for i, piece in enumerate(put_signs(right))]
     return fill_lines(pieces)
 
 

@@ -92,6 +92,19 @@ def test_every_kind_of_scene_is_told_with_all_its_elements(make):
         assert all(rf"\mathbf{{W}}_{{{port}}}^{{({number})}}" in sums for number, port in terms)
 
 
+@pytest.mark.parametrize(
+    ("name", "letters"),
+    [("lin-parker-3", set()), ("psh", {r"\rho", r"\varphi"}), ("hsp", {r"\rho", r"\varphi", r"\rho_{C}", r"\beta"})],
+)
+def test_a_scene_is_told_without_turns_that_it_does_not_know(name, letters):
+    chapters = [Chapter(1, "one", "one") for _ in range(3)]
+    for write, chapter in zip((write_motion, write_laws, write_balances), chapters, strict=True):
+        write(chapter, build_model(load_scene(name)))
+    told = " ".join(line for chapter in chapters for equation in chapter.equations for line in equation.lines)
+    found = {letter for letter in (r"\rho", r"\varphi", r"\rho_{C}", r"\beta") if letter in told}
+    assert found == letters
+
+
 def test_numbers_of_equal_elements_are_all_told():
     groups = list(_grouped(build_model(load_scene("rig-2mw"))))
     assert sorted(number for numbers, _ in groups for number in numbers) == list(range(1, 33))
