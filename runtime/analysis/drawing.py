@@ -62,6 +62,11 @@ def style_of(number: int) -> tuple[str, str]:
     return LINE_COLOURS[number % colours], DASHES[number // colours % len(DASHES)]
 
 
+def dash_of(number: int, curves: int) -> str:
+    """Return the dash of a planet's curve: opposite planets may carry the same, so one half lets the other show."""
+    return "--" if 2 * number >= curves > 2 else "-"
+
+
 def columns_for(curves: int) -> int:
     """Return into how many columns each of some curves is thinned."""
     return int(np.clip(COLUMNS // max(curves, 1), FEWEST, COLUMNS // 3))

@@ -10,7 +10,7 @@ import numpy as np
 from ..plots import BLUE, GREY, ORANGE, VERMILLION, finish_axes, make_canvas
 from ..statistics import mesh_frequencies, stage_of
 from .bearings import BearingLoad
-from .drawing import HEIGHT, WIDTH, columns_for, label_axes, open_axes, scale_of, style_of, thin
+from .drawing import HEIGHT, WIDTH, columns_for, dash_of, label_axes, open_axes, scale_of, style_of, thin
 from .duration import LoadDuration
 from .sharing import LoadShare, list_groups
 from .trace import FloatArray, list_items, pick, read_trace
@@ -50,9 +50,9 @@ def draw_forces(dataset: xr.Dataset, group: str) -> Figure:
     columns = columns_for(len(traces))
     for number, one in enumerate(traces):
         colour, dash = style_of(number)
-        label = one.name.partition(":")[2]
+        label, over = one.name.partition(":")[2], dash_of(number, len(traces))
         above.plot(*thin(time, one.values / size, columns), dash, color=colour, lw=0.7, label=label)
-        below.plot(*thin(time[close], one.values[close] / size), dash, color=colour, lw=1.1, label=label)
+        below.plot(*thin(time[close], one.values[close] / size), over, color=colour, lw=1.1, label=label)
     for axes in (above, below):
         axes.margins(x=0.0)
         finish_axes(axes)
@@ -93,8 +93,9 @@ def draw_shares(share: LoadShare, turns: FloatArray | None = None) -> Figure:
         above.plot(
             *thin(x[known], curve[known], columns_for(len(share.meshes))), dash, color=colour, lw=0.7, label=text
         )
+        over = dash_of(number, len(share.meshes))
         below.plot(
-            *thin(x[close], curve[close], columns_for(len(share.meshes))), dash, color=colour, lw=1.1, label=mesh
+            *thin(x[close], curve[close], columns_for(len(share.meshes))), over, color=colour, lw=1.1, label=mesh
         )
     for axes in (above, below):
         axes.axhline(1.0, color="black", lw=0.8, ls=":", label="equal share")
