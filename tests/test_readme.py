@@ -97,3 +97,9 @@ def test_the_commands_of_a_guide_run(page, scene, tmp_path):
     for command in commands(page):
         started(command, tmp_path)
     assert list(tmp_path.glob("*.nc"))
+
+
+def test_the_page_of_analysis_runs(tmp_path):
+    for command in commands("docs/analysis.md"):
+        started(command, tmp_path)
+    assert (tmp_path / "figures" / "orbits.svg").is_file()

@@ -7,6 +7,7 @@ from math import pi
 
 import pytest
 from ltcgear import runtime, symbolic
+from ltcgear.runtime import analysis
 from ltcgear.runtime.cli import app
 from ltcgear.symbolic import gears, load_scene
 from typer.main import get_command
@@ -87,7 +88,7 @@ def test_every_option_is_in_the_reference(command, run):
 # --- Python
 
 
-@pytest.mark.parametrize("part", [symbolic, runtime], ids=lambda part: part.__name__)
+@pytest.mark.parametrize("part", [symbolic, runtime, analysis], ids=lambda part: part.__name__)
 def test_every_public_name_is_documented(part):
     page = (DOCS / "python.md").read_text("utf-8")
     current, found = "", set()

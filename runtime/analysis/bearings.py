@@ -23,7 +23,7 @@ class BearingLoad:
     ----------
     name, kind
         Member or pin, and ``bearing`` or ``pin``.
-    mean, rms, largest, vibration
+    mean, rms, peak, vibration
         Of the force's magnitude [N]: mean, root mean square, largest, standard deviation.
     """
 
@@ -31,7 +31,7 @@ class BearingLoad:
     kind: str
     mean: float
     rms: float
-    largest: float
+    peak: float
     vibration: float
 
 

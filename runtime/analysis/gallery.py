@@ -61,8 +61,9 @@ def _turns(found: Survey, group: str) -> FloatArray | None:
 
 def _draw_seen(found: Survey, seen: Seen) -> Iterator[tuple[str, Figure]]:
     """Draw what was found of one output."""
-    name = seen.output.replace(":", "-").replace("/", "-")
+    name = seen.output.replace(":", "-")
     yield f"spectrum-{name}", draw_spectrum(seen.spectrum, seen.lines)
+    yield f"density-{name}", draw_spectrum(seen.density)
     if seen.orders is not None:
         yield f"orders-{name}", draw_spectrum(seen.orders, seen.order_lines)
     end = float(seen.waterfall.frequency[-1])

@@ -168,7 +168,7 @@ def _rainflow(found: Survey) -> Table:
 def _bearings(found: Survey) -> Table:
     """List bearing and pin forces."""
     rows: Rows = [
-        (one.name, one.kind, *(size / KILO for size in (one.mean, one.rms, one.largest, one.vibration)))
+        (one.name, one.kind, *(size / KILO for size in (one.mean, one.rms, one.peak, one.vibration)))
         for one in found.bearings
     ]
     columns = ("bearing", "kind", "mean kN", "rms kN", "largest kN", "std kN")

@@ -156,14 +156,14 @@ def draw_load_duration(durations: Sequence[LoadDuration]) -> Figure:
 
 def draw_bearings(loads: Sequence[BearingLoad]) -> Figure:
     """Draw the loads of bearings and pins as bars: root mean square, largest, and vibration."""
-    size, unit = scale_of("N", max((load.largest for load in loads), default=0.0))
+    size, unit = scale_of("N", max((load.peak for load in loads), default=0.0))
     figure = make_canvas(WIDTH, max(HEIGHT, 1.6 + 0.36 * len(loads)))
     axes = figure.add_subplot()
     label_axes(axes, "Forces of bearings and pins", f"magnitude of the force [{unit}]", "bearing or pin")
     places = np.arange(len(loads))[::-1]
     for shift, colour, word, values in (
         (0.27, BLUE, "root mean square", [load.rms for load in loads]),
-        (0.0, ORANGE, "largest", [load.largest for load in loads]),
+        (0.0, ORANGE, "largest", [load.peak for load in loads]),
         (-0.27, VERMILLION, "standard deviation", [load.vibration for load in loads]),
     ):
         axes.barh(places + shift, np.array(values) / size, 0.26, color=colour, label=word)

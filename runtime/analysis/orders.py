@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..results import Group
 from ..spectra import amplitude_spectrum, noise_bandwidth
 from .spectrum import Spectrum
 from .trace import FloatArray, read_trace
@@ -34,6 +33,8 @@ def shaft_angle(dataset: xr.Dataset, rotor: str) -> xr.DataArray:
     LtcgearError
         If there is no such rotor, or it has no twist.
     """
+    from ..results import Group
+
     try:
         return Group("rotor", dataset)[rotor].angle
     except (KeyError, AttributeError) as error:

@@ -32,10 +32,6 @@ class LoadShare:
         Extremes over time of each share [1], shape (meshes,).
     time, share
         Instants [s], and n F_i / sum F_j [1], shape (n, meshes); NaN where hardly any load is carried.
-    mesh_load_factor
-        Largest of the mean shares, in the sense of ISO 6336-1's K_gamma.
-    largest
-        Largest share at any time.
     """
 
     group: str
@@ -48,7 +44,7 @@ class LoadShare:
 
     @property
     def mesh_load_factor(self) -> float:
-        """Return the largest mean share [1]."""
+        """Return the largest mean share [1], in the sense of ISO 6336-1's K_gamma."""
         return float(self.mean.max())
 
     @property

@@ -145,7 +145,13 @@ def find_density(signal: xr.DataArray, *, window: str = "hann", segment_s: float
     axis, value = welch(one.values, one.rate, weights, count, overlap, detrend="constant", scaling="density")
     resolution = one.rate / count
     return Spectrum(
-        one.name, one.title, "density", f"({one.unit})^2/Hz", "Hz", axis, value, window, resolution,
+        one.name, one.title, "density", squared(one.unit), "Hz", axis, value, window, resolution,
         noise_bandwidth(window, count) * resolution, float(one.time[0]), float(one.time[-1]),
         averaged=1 + (one.values.size - count) // (count - overlap),
     )  # fmt: skip
+
+
+def squared(unit: str) -> str:
+    """Return the unit of a density over Hz."""
+    simple = unit.isalpha()
+    return f"{unit}^2/Hz" if simple else f"({unit})^2/Hz"

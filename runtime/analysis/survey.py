@@ -19,7 +19,7 @@ from .orbits import Orbit, find_orbit, list_members
 from .orders import find_order_spectrum, shaft_angle
 from .sharing import LoadShare, find_load_share, list_groups
 from .span import cut, speed_change
-from .spectrum import Spectrum, find_spectrum
+from .spectrum import Spectrum, find_density, find_spectrum
 from .trace import front, list_items, phase_of, pick, select_output
 from .transmission import TransmissionError, find_transmission_error, parameter
 from .waterfall import Waterfall, find_waterfall, mesh_courses
@@ -77,6 +77,7 @@ class Seen:
 
     output: str
     spectrum: Spectrum
+    density: Spectrum
     lines: tuple[NamedLine, ...]
     waterfall: Waterfall
     courses: dict[str, FloatArray]
@@ -170,7 +171,7 @@ def _carried(part: xr.Dataset, mesh: str) -> float:
 def _see(
     part: xr.Dataset, wide: xr.Dataset, output: str, clues: Clues, asked: Options, notes: list[str]
 ) -> Seen:  # fmt: skip
-    """Look at one output; of two axes the waterfall and the envelope are those of x."""
+    """Look at one output; of two axes density, waterfall and envelope are those of x."""
     signals = select_output(part, output)
     spectrum = find_spectrum(*signals, window=asked.window)
     usable = USABLE * 2.0 * float(spectrum.axis[-1])
@@ -182,7 +183,8 @@ def _see(
     sidebands = tuple(_sidebands(spectrum, output, clues)) if speed_change(part) <= SMEARED else ()
     orders, order_lines = _orders(part, output, clues, asked, notes)
     courses = mesh_courses(wide, waterfall)
-    return Seen(output, spectrum, lines, waterfall, courses, envelope, found, sidebands, orders, order_lines)
+    density = find_density(signals[0], window=asked.window)
+    return Seen(output, spectrum, density, lines, waterfall, courses, envelope, found, sidebands, orders, order_lines)
 
 
 def _lead(part: xr.Dataset) -> xr.DataArray | None:

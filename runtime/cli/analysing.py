@@ -25,7 +25,7 @@ To = Annotated[float | None, typer.Option("--to", help="Last instant [s].", show
 Outputs = Annotated[
     list[str] | None,
     typer.Option("--output", metavar="QUANTITY:ITEM", show_default="the first mesh of each group",
-                 help="Output whose lines are named, e.g. acceleration:lsp.sun; may be given again."),
+                 help="Output whose lines are named, e.g. acceleration:lsp.sun."),
 ]  # fmt: skip
 Shaft = Annotated[
     str | None,
@@ -134,11 +134,16 @@ def _write(found: "Survey", tables: dict[str, Any], folder: Path, form: str) -> 
     from ..plots import save_figure
 
     try:
-        files = [table.write_csv(folder / f"{name}.csv") for name, table in tables.items()]
+        files = [table.write_csv(folder / _file(name, "csv")) for name, table in tables.items()]
         with progress(f"draw to {folder}", 1, "") as told:
             for name, figure in draw_survey(found):
-                files.append(save_figure(figure, folder / f"{name}.{form}"))
+                files.append(save_figure(figure, folder / _file(name, form)))
                 told(0)
     except OSError as error:
         raise LtcgearError(f"{folder}: cannot be written: {error.strerror or error}") from error
     return files
+
+
+def _file(name: str, suffix: str) -> str:
+    """Return the name of a file; names of items come from the result and must not lead to another folder."""
+    return f"{name.replace('/', '-')}.{suffix}"

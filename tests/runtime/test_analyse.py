@@ -32,7 +32,7 @@ from .synthetic import make_dataset
 from .test_load_sharing import shares
 
 KINDS = {
-    "forces", "shares", "spectrum", "orders", "spectrogram", "waterfall", "envelope", "transmission", "load",
+    "forces", "shares", "spectrum", "density", "orders", "spectrogram", "waterfall", "envelope", "transmission", "load",
     "rainflow", "bearings", "orbits",
 }  # fmt: skip
 
@@ -183,12 +183,15 @@ def test_every_figure_has_units_title_and_legend_and_stays_small(survey, tmp_pat
     assert seen == KINDS
 
 
-def test_a_density_is_drawn_too(survey):
+def test_a_density_says_how_it_was_taken(survey):
     density = find_density(select_output(survey.span, "mesh_force:psh.mesh")[0])
-    figure = draw_spectrum(density)
-    check_axes(figure)
-    assert figure.axes[0].get_ylabel() == "density [(N)²/Hz]"
-    assert "8 segments" not in figure.axes[0].get_title()
+    axes = draw_spectrum(density).axes[0]
+    assert axes.get_ylabel() == "density [N²/Hz]"
+    (text,) = (text.get_text() for text in axes.get_legend().get_texts())
+    assert "hann window, 1 to 2 s" in text
+    assert "bins 8 Hz apart" in text
+    assert "noise bandwidth 12 Hz" in text
+    assert "15 segments averaged" in text
 
 
 def test_equal_figures_give_equal_files(survey, tmp_path):
@@ -336,3 +339,23 @@ def test_a_train_at_rest_is_analysed():
     assert not [note for note in found.notes if "smeared" in note]
     for _, figure in draw_survey(found):
         check_axes(figure)
+
+
+def test_names_in_a_file_lead_to_no_other_folder(run, tmp_path):
+    dataset = simulated("psh", t_end=0.2).dataset
+    hostile = dataset.assign_coords(mesh=["../../psh.mesh"])
+    hostile.to_netcdf(tmp_path / "hostile.nc")
+    folder = tmp_path / "a" / "b" / "out"
+    code, _, err = run("analyse", tmp_path / "hostile.nc", "--no-modes", "-o", folder)
+    assert code == 0, err
+    written = {path for path in tmp_path.rglob("*") if path.is_file()}
+    assert {path.parent for path in written - {tmp_path / "hostile.nc"}} == {folder}
+
+
+def test_angles_tell_what_teeth_and_bearings_yield():
+    """Springs in series along the line of action: F / k of the teeth, and F / k of both bearings."""
+    found = simulated("psh", "effects.mesh_stiffness = 'mean'", t_end=0.02)
+    force, stiffness = 1.06e4 / found.parameters["psh.mesh.base_radius_2"], (7.06e9, 3.13e9)
+    teeth, angles = (find_transmission_error(found.dataset, "psh.mesh", by).mean for by in ("deflection", "angles"))
+    assert found.mesh["psh.mesh"].force.mean() == pytest.approx(force, rel=1e-6)
+    assert angles - teeth == pytest.approx(sum(force / k for k in stiffness), rel=2e-3)

@@ -72,7 +72,7 @@ def test_a_density_holds_the_variance(window):
     signal = 7.0 + 2.0 * np.sin(TURN * 64.0 * TIME) + np.sin(TURN * 500.0 * TIME)
     found = find_density(output(signal, TIME), window=window, segment_s=1.0)
     assert found.value.sum() * found.resolution == pytest.approx(2.5, rel=1e-6)
-    assert found.unit == "(N)^2/Hz"
+    assert found.unit == "N^2/Hz"
     assert found.averaged == 1
 
 

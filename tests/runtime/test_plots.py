@@ -87,6 +87,7 @@ def test_importing_stays_light():
     heavy = "matplotlib scipy xarray sympy casadi"
     code = (
         "import sys, ltcgear.runtime.plots, ltcgear.runtime.comparison, ltcgear.runtime.tables\n"
+        "import ltcgear.runtime.analysis.gallery, ltcgear.runtime.analysis.listing\n"
         f"print([name for name in '{heavy}'.split() if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -195,6 +195,7 @@ def fake_run(*rows):
     path = SimpleNamespace(
         time=time, x=np.stack(rows, axis=1), levels=np.ones((time.size, 1)), signals=np.zeros((time.size, 0)),
         s=np.ones((time.size, 1)), phi=np.zeros(time.size), turns=np.zeros(time.size, dtype=np.int64),
+        steps=np.zeros(time.size),
     )  # fmt: skip
     return library, path, np.ones(1)
 
