@@ -223,7 +223,10 @@ def fit_table(data: dict[str, Any]) -> str:
         text += f"| {item['name']} | {' | '.join(values)} | {sigma} | {bounds} | {item['left']:.2f} |\n"
     changed = [f"{item['name']}: {item['chosen']}" for item in data["readings"] if item["chosen"] != item["assumed"]]
     told = f"Determined by the targets: {data['determined']:.1f} of {len(data['unknowns'])}."
-    return f"{text}\n{told} Readings changed: {'; '.join(changed) or 'none'}.\n"
+    best = data["fits"][0]
+    others = [item["misfit"] + item["strayed"] for item in data["fits"] if item["reading"] != best["reading"]]
+    sums = f"Sum of squares {best['misfit'] + best['strayed']:.1f}; {min(others):.1f} with the next best readings."
+    return f"{text}\n{told} Readings changed: {'; '.join(changed) or 'none'}. {sums}\n"
 
 
 def mode_table(data: dict[str, Any]) -> str:

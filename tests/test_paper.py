@@ -80,6 +80,7 @@ def test_the_fitted_scene_is_the_rig_but_for_what_was_fitted(identify):
     keys |= {item["key"] for item in fitted()["readings"] if item["chosen"] != item["assumed"]}
     assert {key for key in plain.keys() | other.keys() if plain.get(key) != other.get(key)} == keys | {"title"}
     assert all(other[key]["source"].startswith("fitted: ") for key in keys)
+    assert "fitted: " not in (SHIPPED / "rig-2mw.toml").read_text("utf-8")
     text = (SHIPPED / "rig-2mw-fitted.toml").read_text("utf-8")
     assert identify.write_scene((SHIPPED / "rig-2mw.toml").read_text("utf-8"), fitted()) == text
     one, two = (build_model(load_scene(name)) for name in raw)

@@ -12,7 +12,7 @@ from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.effects import DEFAULTS, EFFECTS, contradictions
 from ltcgear.symbolic.scene import LARGEST_FILE, SHIPPED, load_scene, make_scene, restore_scene, shipped_scenes
 
-LABELS = ("printed:", "derived:", "assumed:")
+LABELS = ("printed:", "derived:", "assumed:", "fitted:")
 QUANTITY = re.compile(r"\s*[+-]?[0-9.]")
 
 
