@@ -10,7 +10,7 @@ BIN := .venv/bin
 
 rig: .venv/rig
 	$(BIN)/ltcgear generate rig-2mw
-	$(BIN)/ltcgear paper --quick -o out
+	@$(MAKE) --no-print-directory paper
 
 # The paper reproduced on one page, out/paper.html: printed, predicted and fitted.
 paper: .venv/rig
