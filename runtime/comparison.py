@@ -42,8 +42,8 @@ _NOTES_7 = (
     "HSP sun: 158.2 Hz follows from its speed relative to the carrier, not from 638.82 r/min alone.",
     "15 r/min and the tooth numbers give 638.90 r/min and 628.25 Hz; "
     "the printed 638.82 r/min would give 628.17 Hz, not the printed 628.3 Hz.",
-    "Print is consistent in its mesh frequencies and in 15 and 80.45 r/min, all met to the last digit. 36.87 is 36.875 cut "
-    "off; 189.84, 638.82 and 1794.75 are 0.013 to 0.017 % low: they are those of 80.44 r/min at the LSP sun, "
+    "Print is consistent in its mesh frequencies and in 15 and 80.45 r/min, all met to the last digit. 36.87 is 36.875 "
+    "cut off; 189.84, 638.82 and 1794.75 are 0.013 to 0.017 % low: they are those of 80.44 r/min at the LSP sun, "
     "not of the 80.45 printed above.",
 )
 _NOTES_8 = (
