@@ -7,13 +7,12 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ltcgear.generated.errors import LtcgearError
 
 from ..comparison import carrier_rotations, compare, published
 from ..linear.response import respond
+from ..pages import open_templates, write_text
 from ..plots import draw_paper_figures
 from ..report.theme import themed, write_svg
-from ..results import written_whole
 from ..statistics import mesh_frequencies, steady_start, window
 from .figures import (
     COLOURS,
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from ..linear.modes import Mode
     from ..linear.system import Linear
 
-MISSING = "ltcgear paper writes a page, which needs Jinja2: pip install 'ltcgear[report]', or give --quick"
+ROOM, NEEDING = "ltcgear.runtime.paper", "the page of ltcgear paper (leave it out with --quick)"
 EXCITED = "hsp.sun_planet.1"
 RIPPLE = 0.1
 """Length of a mean that takes away the meshes' ripple but not the slowest mode [s]."""
@@ -82,7 +81,7 @@ class Material:
 @cache
 def fitted() -> dict[str, Any]:
     """Read the record of the fit (``published/fitted.json``, written by ``benchmarks.identify``)."""
-    source = resources.files(__package__).parent / "published" / "fitted.json"  # type: ignore[attr-defined]
+    source = resources.files("ltcgear.runtime") / "published" / "fitted.json"
     found: dict[str, Any] = json.loads(source.read_text(encoding="utf-8"))
     return found
 
@@ -95,34 +94,21 @@ def check_page() -> None:
     LtcgearError
         If Jinja2 is missing.
     """
-    try:
-        import jinja2  # noqa: F401
-    except ImportError:
-        raise LtcgearError(MISSING) from None
+    open_templates(ROOM, NEEDING)
 
 
 def write_page(material: Material, path: "Path") -> "Path":
     """Write the page; it appears whole or not at all."""
-    text = compose(material)
-    with written_whole(path) as draft:
-        draft.write_text(text, "utf-8")
-    return path
+    return write_text(compose(material), path)
 
 
 def compose(material: Material) -> str:
     """Return the page's HTML."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    check_page()
     first = material.datasets["assumed"]
     start = steady_start(first)
     meshes, turns = mesh_frequencies(first), carrier_rotations(first, start)
-    environment = Environment(
-        loader=PackageLoader("ltcgear.runtime.paper"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
     loads = tell_loads(material.datasets, start)
-    return environment.get_template("paper.html").render(
+    text: str = open_templates(ROOM, NEEDING).get_template("paper.html").render(
         published=published(), record=fitted(), loads=loads, aims=(MEAN_AIM, FACTOR_AIM), verdict=_verdict(loads),
         table7=compare(first, start)["table7"],
         lines=tell_lines(meshes, turns, material.modes, material.datasets, start),
@@ -132,6 +118,7 @@ def compose(material: Material) -> str:
         meshes=meshes, below=sum(row["rigs"]["assumed"]["mean_off"] > 0 for row in loads),
         versions=first.attrs.get("ltcgear", ""), times=(start, float(first["time"][-1])),
     )  # fmt: skip
+    return text
 
 
 def _verdict(loads: list[dict[str, Any]]) -> dict[str, dict[str, float]]:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from importlib import resources
 from math import isfinite, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..results import written_whole
+from ..pages import open_templates, read_asset, write_text
 from .film import choose_windows, magnify, make_track, pack
 from .heading import describe_run, list_versions
 from .listing import list_tables
@@ -39,7 +38,7 @@ FEWEST = 2
 PACES = (1.0, 1 / 3, 0.1, 1 / 30, 0.01, 1 / 300, 0.001, 1e-4)
 LASTS = 12.0
 """About how long a window lasts on the screen [s]."""
-MISSING = "ltcgear report needs Jinja2; install it with: pip install 'ltcgear[report]'"
+ROOM, NEEDING = "ltcgear.runtime.report", "ltcgear report"
 
 
 @dataclass(frozen=True)
@@ -74,15 +73,12 @@ def write_report(result: Result, path: Path, background: Background | None = Non
     LtcgearError
         If the file cannot be written, the instant lies outside the record, or Jinja2 is missing.
     """
-    text = compose_report(result, background or Background(), at)
-    with written_whole(path) as draft:
-        draft.write_text(text, "utf-8")
-    return path
+    return write_text(compose_report(result, background or Background(), at), path)
 
 
 def compose_report(result: Result, background: Background, at: float | None = None) -> str:
     """Return the page of a result; see ``write_report``."""
-    environment = _environment()
+    environment = open_templates(ROOM, NEEDING)
     dataset, lost = _numbers(result.dataset)
     _check(dataset, at)
     track, panels = _motion(dataset)
@@ -102,32 +98,15 @@ def compose_report(result: Result, background: Background, at: float | None = No
         tables=list_tables(dataset, result.summary.get("forces", {})),
         scene=list_scene(dataset.attrs, background.sources),
         foot=list_versions(dataset.attrs),
-        style=_asset("report.css"),
-        script=_asset("report.js"),
+        style=read_asset(ROOM, "report.css"),
+        script=read_asset(ROOM, "report.js"),
     )
     return text
 
 
 def check_templates() -> None:
     """Refuse to begin where Jinja2 is missing."""
-    _environment()
-
-
-def _environment() -> Any:  # noqa: ANN401
-    """Return Jinja2's environment over the templates; text is escaped unless a template says that it is HTML."""
-    try:
-        from jinja2 import Environment, PackageLoader, StrictUndefined
-    except ImportError as error:
-        raise LtcgearError(MISSING) from error
-    return Environment(
-        loader=PackageLoader(__package__ or "", "templates"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-
-
-def _asset(name: str) -> str:
-    """Return the text of a file beside the templates."""
-    return (resources.files(__package__ or "") / "templates" / name).read_text("utf-8")
+    open_templates(ROOM, NEEDING)
 
 
 def _numbers(dataset: xr.Dataset) -> tuple[xr.Dataset, str]:
