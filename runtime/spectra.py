@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
 
-#: Highest orders that still count as an explanation; beyond them coincidence rules.
+#: Highest orders that still count as an explanation among others; beyond them coincidence rules.
 HARMONICS = 25
+#: Widest tolerance, over a mesh frequency, within which any of its orders explains what nothing else does.
+SHARP = 0.05
 CARRIER_ORDERS = 6
 SIDE_ORDERS = 3
 #: Windows, and to how many bins on either side of a sine each spreads it (half of its main lobe).
@@ -171,14 +173,18 @@ def explain_line(
     rotations: Mapping[str, float] | None = None,
     shafts: Mapping[str, float] | None = None,
     modes: Mapping[str, tuple[float, float]] | None = None,
+    highest_hz: float = 0.0,
+    rate_hz: float | None = None,
 ) -> tuple[str, str]:
     """Explain a line by the mesh frequencies, rotations and modes that are there.
 
     Harmonics come first (``"3 hsp"``), lowest order preferred; then sidebands of
     a mesh's harmonic at the distance of a rotation (``"hsp - 1 hsp.carrier"``) or of
     a slower mesh's (``"hsp + 1 lsp"``, ``"2 psh - 1 hsp"``), lowest sum of orders
-    preferred; then turns of shafts and sidebands at their distance; modes last, since
-    what is excited at a harmonic is heard there, not at its own frequency.
+    preferred; then turns of shafts and sidebands at their distance; then harmonics of
+    any order that the spectrum holds (``"46 lsp"``), and those that sampling folds back
+    into it (``"10 psh folded"``); modes last, since what is excited at a harmonic is
+    heard there, not at its own frequency.
 
     Parameters
     ----------
@@ -196,6 +202,11 @@ def explain_line(
     modes
         Eigenfrequency and half of the half-power bandwidth [Hz], by name; a mode that is
         broader than the tolerance matches as far as its bandwidth goes.
+    highest_hz
+        End of the spectrum: harmonics of any order up to it count, of meshes whose orders the
+        tolerance tells apart (`SHARP`).
+    rate_hz
+        Sampling rate, where harmonics beyond its half may have folded back.
 
     Returns
     -------
@@ -209,6 +220,7 @@ def explain_line(
         ("harmonic", list(_harmonics(turning))),
         ("sideband", [*_sidebands(turning, carriers), *_sidebands(turning, turning)]),
         ("shaft", [*_turns(others), *_sidebands(turning, others)]),
+        ("harmonic", [*_high_harmonics(turning, tolerance_hz, highest_hz), *_folded(turning, rate_hz)]),
     )
     for kind, candidates in tiers:
         matches = [
@@ -247,6 +259,23 @@ def _harmonics(meshes: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
     for name, value in meshes.items():
         for order in range(1, HARMONICS + 1):
             yield order, order * value, f"{order} {name}"
+
+
+def _high_harmonics(meshes: Mapping[str, float], tolerance: float, highest: float) -> Iterator[tuple[int, float, str]]:
+    """Yield order, frequency [Hz] and name of harmonics beyond `HARMONICS` up to the highest frequency."""
+    for name, value in meshes.items():
+        if tolerance <= SHARP * value:
+            for order in range(HARMONICS + 1, int((highest + tolerance) / value) + 1):
+                yield order, order * value, f"{order} {name}"
+
+
+def _folded(meshes: Mapping[str, float], rate: float | None) -> Iterator[tuple[int, float, str]]:
+    """Yield order, frequency at which it shows [Hz] and name of every harmonic beyond half the sampling rate."""
+    if rate is None:
+        return
+    for order, value, name in _harmonics(meshes):
+        if value > 0.5 * rate:
+            yield order, abs(value - rate * round(value / rate)), f"{name} folded"
 
 
 def _turns(shafts: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:

@@ -60,17 +60,28 @@ class Cycles:
         count, spans, means = np.histogram2d(self.span, self.mean, bins, weights=self.count)
         return spans, means, count
 
-    def equivalent(self, exponent: float) -> float:
-        """Return the range [unit] that does the same damage as often: (sum n r^m / sum n)^(1/m).
+    def equivalent(self, exponent: float, reference: float) -> float:
+        """Return the range [unit] that does the same damage in a stated number of cycles: (sum n r^m / n_ref)^(1/m).
 
         Parameters
         ----------
         exponent
             Slope m of the S-N curve, with Miner's rule.
+        reference
+            Number of cycles n_ref that it is to act; small cycles add damage then, and never dilute it.
+
+        Raises
+        ------
+        LtcgearError
+            If either is not above zero.
         """
+        if not (exponent > 0.0 and reference > 0.0):
+            raise LtcgearError(
+                f"equivalent range: slope {exponent:g} and {reference:g} cycles; both must be above zero"
+            )
         if not self.span.size:
             return 0.0
-        part = np.average((self.span / self.largest) ** exponent, weights=self.count)
+        part = float((self.count * (self.span / self.largest) ** exponent).sum()) / reference
         return float(self.largest * part ** (1.0 / exponent))
 
 

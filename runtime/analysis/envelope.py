@@ -57,7 +57,7 @@ class Sidebands:
     amplitude
         Of the line in the middle [unit].
     lower, upper
-        Amplitudes of the first, second ... sideband below and above [unit].
+        Amplitudes of the first, second ... sideband below and above [unit]; 0 where there is no peak.
     """
 
     centre: tuple[str, float]
@@ -154,6 +154,6 @@ def find_sidebands(
         return None
     places = [k * spacing[1] for k in range(1, count + 1)]
     return Sidebands(
-        centre, spacing, spectrum.at(centre[1]), tuple(spectrum.at(centre[1] - place) for place in places),
-        tuple(spectrum.at(centre[1] + place) for place in places),
+        centre, spacing, spectrum.at(centre[1]), tuple(spectrum.peak(centre[1] - place) for place in places),
+        tuple(spectrum.peak(centre[1] + place) for place in places),
     )  # fmt: skip

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..spectra import explain_line, nearest_mode, strongest_lines
-from ..statistics import mesh_frequencies, shaft_speeds
+from ..statistics import mesh_frequencies, sampling_rate, shaft_speeds
 from .orders import TURN
+from .span import CHANGING, speed_change
 from .spectrum import Spectrum
 from .waterfall import STANDING
 
@@ -37,6 +38,10 @@ class Clues:
         ``mode 7`` -> eigenfrequency and half of the half-power bandwidth [Hz].
     words
         ``mode 7`` -> what moves in it.
+    rate
+        Sampling rate [Hz], by which harmonics fold back; None where they leave no lines, as speeds change.
+    filtered
+        Whether accelerations were filtered before they were sampled, so that nothing of them folds back.
     """
 
     meshes: dict[str, float] = field(default_factory=dict)
@@ -44,12 +49,14 @@ class Clues:
     shafts: dict[str, float] = field(default_factory=dict)
     modes: dict[str, tuple[float, float]] = field(default_factory=dict)
     words: dict[str, str] = field(default_factory=dict)
+    rate: float | None = None
+    filtered: bool = False
 
     def over(self, turns_hz: float) -> Clues:
         """Return the clues as orders of a shaft that turns so often a second; modes have no order."""
         every = (self.meshes, self.carriers, self.shafts)
         meshes, carriers, shafts = ({name: value / turns_hz for name, value in of.items()} for of in every)
-        return Clues(meshes, carriers, shafts)
+        return Clues(meshes, carriers, shafts, rate=self.rate / turns_hz if self.rate else None, filtered=self.filtered)
 
 
 @dataclass(frozen=True)
@@ -99,7 +106,9 @@ def find_clues(dataset: xr.Dataset, modes: Sequence[Mode] = ()) -> Clues:
     vibrating = {f"mode {number}": mode for number, mode in enumerate(modes, start=1) if _vibrates(mode)}
     bands = {name: (mode.frequency_hz, abs(mode.damping_ratio) * mode.frequency_hz) for name, mode in vibrating.items()}
     words = {name: f"{mode.name or mode.kind}, {mode.frequency_hz:.4g} Hz" for name, mode in vibrating.items()}
-    return Clues(meshes, carriers, shafts, bands, words)
+    rate = sampling_rate(dataset) if speed_change(dataset) <= CHANGING else None
+    filtered = dataset.attrs.get("oversample", 1) != 1
+    return Clues(meshes, carriers, shafts, bands, words, rate, filtered)
 
 
 def _vibrates(mode: Mode) -> bool:
@@ -127,11 +136,12 @@ def name_lines(
     if inside.sum() < 3:
         return ()
     found = strongest_lines(spectrum.axis[inside], spectrum.value[inside], count, spectrum.separation, DUST)
-    within = WITHIN * spectrum.resolution
+    within, highest = WITHIN * spectrum.resolution, float(spectrum.axis[-1])
+    rate = None if clues.filtered and spectrum.name.startswith("acceleration") else clues.rate
     named = []
     for line in found:
         place = line.frequency_hz
-        kind, name = explain_line(place, clues.meshes, within, clues.carriers, clues.shafts, clues.modes)
+        kind, name = explain_line(place, clues.meshes, within, clues.carriers, clues.shafts, clues.modes, highest, rate)
         named.append(NamedLine(place, line.amplitude, kind, name, nearest_mode(place, within, clues.modes)))
     return tuple(named)
 

@@ -90,7 +90,10 @@ def _sidebands(quantity: str, own: list[Seen]) -> Table:
         for band in seen.sidebands
     ]
     columns = ("output", "about", "at turns of", f"middle {own[0].spectrum.unit}", "below", "above", "depth")
-    notes = ("Amplitudes of the first pair; depth: that of the modulation, their sum over the middle.",)
+    notes = (
+        "Amplitudes of the first pair, 0 where there is no peak; "
+        "depth: that of the modulation, their sum over the middle.",
+    )
     return Table(f"Sidebands of {quantity} about mesh harmonics", columns, tuple(rows), notes)
 
 
@@ -152,15 +155,19 @@ def _exceeded_by(above: FloatArray, edges: FloatArray, share: float) -> float:
 
 def _rainflow(found: Survey) -> Table:
     """List rainflow counts."""
+    passed = {one.name: float(one.count.sum()) for one in found.durations}
     rows: Rows = [
-        (one.name.partition(":")[2], one.total, one.total / one.seconds, one.largest / KILO,
-         float(one.count[one.span > 0.5 * one.largest].sum()), one.equivalent(EXPONENT) / KILO)
+        (one.name.partition(":")[2], one.total, one.largest / KILO,
+         float(one.count[one.span > 0.5 * one.largest].sum()), passed.get(one.name),
+         one.equivalent(EXPONENT, passed[one.name]) / KILO if one.name in passed else None)
         for one in found.cycles
     ]  # fmt: skip
-    columns = ("mesh", "cycles", "a second", "largest kN", "above half", "equivalent kN")
+    columns = ("mesh", "cycles", "largest kN", "above half", "tooth meshes", "equivalent kN")
     notes = (
         "Ranges of rainflow cycles of the normal force (ASTM E1049); above half: cycles of more than half the largest.",
-        f"Equivalent: the one range that does the same damage in as many cycles, S-N curve of slope {EXPONENT:g}.",
+        f"Equivalent: the range that does the same damage once a tooth mesh, (sum n r^m / n_ref)^(1/m), n_ref tooth "
+        f"meshes of the span and slope m = {EXPONENT:g} of the S-N curve.",
+        "These are cycles of the force, not of a tooth's stress: that goes from 0 to its largest once a mesh.",
     )
     return Table("Rainflow counts", columns, tuple(rows), notes)
 
@@ -181,7 +188,9 @@ def _orbits(found: Survey) -> Table:
     for one in found.orbits:
         clearance = None if one.clearance is None else one.clearance / MICRO
         sizes = (value / MICRO for value in (*one.centre, one.rms, one.largest))
-        rows.append((one.member, "teeth alone" if one.floating else "bearing", *sizes, clearance))
+        rows.append((one.member, one.held, *sizes, clearance))
     columns = ("member", "held by", "x um", "y um", "rms um", "largest um", "clearance um")
-    notes = ("x, y: mean place in the stage's frame; rms and largest: distance from it.",)
+    notes = (
+        "x, y: mean place in axes that turn with the stage's carrier as it is; rms and largest: distance from it.",
+    )
     return Table("Paths of members", columns, tuple(rows), notes)

@@ -35,7 +35,7 @@ def draw_orbits(orbits: Sequence[Orbit]) -> Figure:
         _draw_orbit(axes, orbit)
     for axes in grid[len(shown) :]:
         axes.set_axis_off()
-    figure.suptitle("Paths of members in their stages' frames", x=0.01, ha="left", fontsize=11)
+    figure.suptitle("Paths of members in axes that turn with their carriers", x=0.01, ha="left", fontsize=11)
     known: dict[str, Artist] = {}
     for axes in grid[: len(shown)]:
         handles, labels = axes.get_legend_handles_labels()

@@ -14,11 +14,12 @@ from .transmission import parameter
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
 class Orbit:
-    """The path of a member's centre, in its stage's frame, which turns with the carrier.
+    """The path of a member's centre, in axes that turn with its stage's carrier, with the carrier's twist.
 
     Attributes
     ----------
@@ -32,8 +33,8 @@ class Orbit:
         Place in the loaded equilibrium, with which a run begins [m]; None where the record does not begin there.
     clearance
         Radial clearance of its bearing [m]; None where it has none.
-    floating
-        Whether nothing but teeth holds it.
+    held
+        ``bearing``, ``pin`` of a planet, or ``no bearing``: teeth, pins or couplings alone hold it.
     """
 
     member: str
@@ -42,7 +43,12 @@ class Orbit:
     centre: tuple[float, float]
     static: tuple[float, float] | None
     clearance: float | None
-    floating: bool
+    held: str
+
+    @property
+    def floating(self) -> bool:
+        """Say whether it has no bearing."""
+        return self.held == "no bearing"
 
     @property
     def rms(self) -> float:
@@ -80,13 +86,36 @@ def find_orbit(dataset: xr.Dataset, member: str, record: xr.Dataset | None = Non
     members = list_members(dataset)
     if member not in members:
         raise LtcgearError(f"{member}: no member that moves sideways; there are {', '.join(members) or 'none'}")
-    quantities = ("displacement_x", "displacement_y")
-    x, y = (read_trace(pick(dataset, quantity, member)).values for quantity in quantities)
-    whole = dataset if record is None else record
-    first_x, first_y = (float(pick(whole, quantity, member).values[0]) for quantity in quantities)
-    static = (first_x, first_y) if abs(float(whole["time"].values[0])) < 1e-12 else None
+    for quantity in ("displacement_x", "displacement_y"):
+        read_trace(pick(dataset, quantity, member))
+    path = find_shift(dataset, member)
+    first = (dataset if record is None else record).isel(time=slice(0, 1))
+    begins = abs(float(first["time"].values[0])) < 1e-12
+    static = _plane(find_shift(first, member)[0]) if begins else None
     planet = ".planet." in member
     bearing = f"{stage_of(member)}.pin" if planet else f"{member}.bearing"
-    held = planet or member in list_items(dataset, "bearing_force_x")
-    return Orbit(member, x, y, (float(x.mean()), float(y.mean())), static, parameter(dataset, f"{bearing}.clearance"),
-                 not held)  # fmt: skip
+    borne = "bearing" if member in list_items(dataset, "bearing_force_x") else "no bearing"
+    return Orbit(
+        member, path.real, path.imag, _plane(path.mean()), static, parameter(dataset, f"{bearing}.clearance"),
+        "pin" if planet else borne,
+    )  # fmt: skip
+
+
+def _plane(place: complex) -> tuple[float, float]:
+    """Return x and y."""
+    return float(place.real), float(place.imag)
+
+
+def find_shift(dataset: xr.Dataset, member: str) -> NDArray[np.complex128]:
+    """Return how far a member is from its place on its stage's carrier, x + i y [m], shape (n,).
+
+    Displacements are told in the frame of the rigid motion. The carrier is turned against it by its twist, and with it
+    what it carries: a planet's place, and the axes.
+    """
+    shift = pick(dataset, "displacement_x", member).values + 1j * pick(dataset, "displacement_y", member).values
+    carrier = f"{stage_of(member)}.carrier"
+    if carrier not in list_items(dataset, "twist"):
+        return np.asarray(shift)
+    place = complex(*(parameter(dataset, f"{member}.{axis}_0") or 0.0 for axis in "xy"))
+    turned = np.exp(-1j * pick(dataset, "twist", carrier).values)
+    return np.asarray((place + shift) * turned - place)

@@ -8,8 +8,9 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..spectra import amplitude_spectrum, noise_bandwidth
+from ..statistics import stage_of
 from .spectrum import Spectrum
-from .trace import FloatArray, read_trace
+from .trace import FloatArray, list_items, read_trace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,6 +40,17 @@ def shaft_angle(dataset: xr.Dataset, rotor: str) -> xr.DataArray:
         return Group("rotor", dataset)[rotor].angle
     except (KeyError, AttributeError) as error:
         raise LtcgearError(f"--shaft {rotor}: {error.args[0]}") from error
+
+
+def choose_shaft(dataset: xr.Dataset, stage: str = "") -> str | None:
+    """Return the fastest rotor of a stage that is no planet, of all where the stage has none; None without rotors."""
+    if "speed" not in dataset:
+        return None
+    speed = np.abs(dataset["speed"].transpose("time", "rotor").values).mean(axis=0)
+    sizes = dict(zip(list_items(dataset, "speed"), speed.tolist(), strict=True))
+    turning = {name: size for name, size in sizes.items() if ".planet." not in name} or sizes
+    own = {name: size for name, size in turning.items() if stage_of(name) == stage} or turning
+    return max(own, key=lambda name: own[name], default=None)
 
 
 def find_order_spectrum(signal: xr.DataArray, angle: xr.DataArray, *, window: str = "hann") -> Spectrum:

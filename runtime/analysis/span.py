@@ -20,12 +20,15 @@ NEEDED = (
 """Quantities whose samples must be numbers throughout."""
 STILL = 6e-3
 """Speed below which nothing turns [rad/s]."""
+CHANGING = 0.01
+"""Change of speed over a span from which lines over frequency are smeared, and orders tell more."""
 
 
 def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None = None) -> xr.Dataset:
     """Cut a record to the span that is analysed.
 
-    Extremes between samples, which belong to the second half of a run, are kept only where the span is that half.
+    Extremes between samples belong to the span over which the run followed them, as a rule its second half; they are
+    kept only where that span is asked for.
 
     Parameters
     ----------
@@ -57,9 +60,15 @@ def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None 
             f"give {FEWEST / sampling_rate(dataset):.3g} s or more"
         )
     _refuse_gaps(part)
-    if stop < last - half:
+    if stop < last - half or not _followed(dataset, start):
         part = part.drop_vars(["mesh_force_lowest", "mesh_force_highest"], errors="ignore")
     return part
+
+
+def _followed(dataset: xr.Dataset, start: float) -> bool:
+    """Say whether extremes between samples were followed from an instant on [s], to a sample."""
+    lowest = dataset.get("mesh_force_lowest")
+    return lowest is not None and abs(float(lowest.attrs["from_s"]) - start) < 1.0 / sampling_rate(dataset)
 
 
 def _refuse_gaps(part: xr.Dataset) -> None:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+PROUD, FLOOR = 7.0, 0.2
+"""How high a peak stands over what that share of the bins about it stay below; of noise one bin in thousands does."""
+
+
 @dataclass(frozen=True)
 class Spectrum:
     """Amplitudes or power densities over frequency or order.
@@ -69,6 +73,17 @@ class Spectrum:
         """Return the largest value within a bin of a place on the axis; NaN beyond it."""
         near = np.abs(self.axis - place) <= 1.01 * self.resolution
         return float(self.value[near].max()) if near.any() else float("nan")
+
+    def peak(self, place: float) -> float:
+        """Return the height of a peak within a bin of a place; 0 where there is but leakage or noise."""
+        near = np.flatnonzero(np.abs(self.axis - place) <= 1.01 * self.resolution)
+        if not near.size:
+            return 0.0
+        top = int(near[np.argmax(self.value[near])])
+        reach = 8 * WINDOWS[self.window]
+        about = self.value[max(top - reach, 1) : top + reach + 1]
+        local = self.value[top] >= self.value[max(top - 1, 0) : top + 2].max()
+        return float(self.value[top]) if local and self.value[top] > PROUD * np.quantile(about, FLOOR) else 0.0
 
 
 def find_spectrum(signal: xr.DataArray, *others: xr.DataArray, window: str = "hann") -> Spectrum:

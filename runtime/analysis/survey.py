@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,9 +16,9 @@ from .duration import LoadDuration, find_load_duration
 from .envelope import Envelope, Sidebands, choose_band, find_envelope, find_sidebands
 from .lines import DUST, Clues, NamedLine, find_clues, name_lines, turns_per_second
 from .orbits import Orbit, find_orbit, list_members
-from .orders import find_order_spectrum, shaft_angle
+from .orders import choose_shaft, find_order_spectrum, shaft_angle
 from .sharing import LoadShare, find_load_share, list_groups
-from .span import cut, speed_change
+from .span import CHANGING, cut, speed_change
 from .spectrum import Spectrum, find_density, find_spectrum
 from .trace import front, list_items, phase_of, pick, select_output
 from .transmission import TransmissionError, find_transmission_error, parameter
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from .trace import FloatArray
 
 LINES = 12
-SMEARED = 0.01
-"""Change of speed over a span from which lines over frequency are said to be smeared."""
 CENTRES = 3
 """Harmonics of its mesh about which an output's sidebands are read."""
 USABLE = 0.4
@@ -128,7 +126,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     part, notes = cut(dataset, asked.start_s, asked.stop_s), []
     time = part["time"].values
     change = speed_change(part)
-    if change > SMEARED:
+    if change > CHANGING:
         notes.append(f"speeds change by {change:.0%} in the span: lines over frequency are smeared, orders are not")
     clues = find_clues(part, modes)
     wide = dataset if asked.start_s is None and asked.stop_s is None else part
@@ -179,8 +177,8 @@ def _see(
     waterfall = find_waterfall(select_output(wide, output)[0], resolution_hz=asked.resolution_hz, speed=_lead(wide))
     mesh = clues.meshes.get(stage_of(output.partition(":")[2]), max(clues.meshes.values(), default=0.0))
     envelope = find_envelope(signals[0], *(asked.band or choose_band(spectrum, mesh)), window=asked.window)
-    found = name_lines(envelope.spectrum, clues, asked.lines, envelope.high_hz - envelope.low_hz)
-    sidebands = tuple(_sidebands(spectrum, output, clues)) if speed_change(part) <= SMEARED else ()
+    found = name_lines(envelope.spectrum, replace(clues, rate=None), asked.lines, envelope.high_hz - envelope.low_hz)
+    sidebands = tuple(_sidebands(spectrum, output, clues)) if speed_change(part) <= CHANGING else ()
     orders, order_lines = _orders(part, output, clues, asked, notes)
     courses = mesh_courses(wide, waterfall)
     density = find_density(signals[0], window=asked.window)
@@ -204,14 +202,14 @@ def _sidebands(spectrum: Spectrum, output: str, clues: Clues) -> list[Sidebands]
         if mesh > 0.0 and stage_of(name) == stage and 3.0 * turns < mesh
     ]
     loud = DUST * float(spectrum.value[1:].max())
-    return [one for one in found if one is not None and one.amplitude > loud]
+    return [one for one in found if one is not None and one.amplitude > loud and one.depth > 0.0]
 
 
 def _orders(
     part: xr.Dataset, output: str, clues: Clues, asked: Options, notes: list[str]
 ) -> tuple[Spectrum | None, tuple[NamedLine, ...]]:
     """Find the order spectrum of an output; where nobody named a shaft and none can serve, this is noted."""
-    shaft = asked.shaft or _fastest(part, stage_of(output.partition(":")[2]))
+    shaft = asked.shaft or choose_shaft(part, stage_of(output.partition(":")[2]))
     if shaft is None:
         return None, ()
     try:
@@ -223,18 +221,6 @@ def _orders(
         notes.append(f"no orders of {output}: {error}")
         return None, ()
     return found, name_lines(found, clues.over(turns_per_second(angle)), asked.lines)
-
-
-def _fastest(part: xr.Dataset, stage: str) -> str | None:
-    """Return the fastest rotor of a stage that is no planet, of all where the stage has none."""
-    speed = part["speed"].mean("time") if "speed" in part else None
-    if speed is None:
-        return None
-    sizes = {
-        str(name): abs(float(value)) for name, value in zip(speed[speed.dims[0]].values, speed.values, strict=True)
-    }
-    own = {name: size for name, size in sizes.items() if stage_of(name) == stage and ".planet." not in name}
-    return max(own or sizes, key=lambda name: (own or sizes)[name], default=None)
 
 
 def _share(part: xr.Dataset, group: str, notes: list[str]) -> LoadShare | None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
+from ..spectra import window_samples
 from ..statistics import group_of, stage_of
 from .orders import TURN
 from .trace import FloatArray, list_items, phase_of, pick, read_trace
@@ -40,7 +41,7 @@ class TransmissionError:
     definition
         ``deflection`` or ``angles``, see `DEFINITIONS`.
     time, value
-        Instants [s] and transmission error [m], shape (n,) each; positive where gear 2 runs behind under load.
+        Instants [s] and transmission error [m], shape (n,) each; positive where the loaded flank is pressed.
     mean, peak_to_peak, vibration
         Mean, largest less smallest, and standard deviation [m].
     harmonics
@@ -96,7 +97,7 @@ def harmonics_of(value: FloatArray, phase: FloatArray, count: int = HARMONICS) -
     """Return the amplitudes of harmonics of a phase [cycles], over a Hann window; NaN over fewer than four cycles."""
     if abs(phase[-1] - phase[0]) < 4.0:
         return (float("nan"),) * count
-    weights = np.hanning(value.size)
+    weights = window_samples("hann", value.size)
     rest = (value - np.average(value, weights=weights)) * weights
     return tuple(
         float(2.0 * np.abs((rest * np.exp(-1j * TURN * h * phase)).sum()) / weights.sum()) for h in range(1, count + 1)

@@ -10,6 +10,7 @@ from .. import present
 from ..options import AsJson, ResultPath
 from ..progress import progress
 from .app import app
+from .opening import restore_modes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,7 +72,7 @@ def analyse(
     dataset = load(file).dataset
     options = Options(start, stop, tuple(output or ()), shaft, edges, window, resolution, lines)
     notes = list(_state(dataset))
-    known = _modes(dataset, notes) if modes else []
+    known = _modes(dataset, notes) if modes else ()
     found = survey(dataset, options, known)
     tables = list_tables(found)
     notes += found.notes
@@ -101,31 +102,12 @@ def _state(dataset: "xr.Dataset") -> list[str]:
     return [] if status == "done" else [f"the run did not reach its end ({status}): this is what there is of it"]
 
 
-def _modes(dataset: "xr.Dataset", notes: list[str]) -> "list[Mode]":
-    """Return the modes of the scene in the file; without one, or where there are none, this is noted."""
-    text = dataset.attrs.get("scene_json")
-    if not text:
-        notes.append("the file holds no scene: lines are named by meshes and shafts only")
-        return []
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.pipeline import obtain
-    from ltcgear.symbolic.scene import restore_scene
-
-    from ..equilibrium import find_equilibrium
-    from ..library import build
-    from ..linear.modes import find_modes
-    from ..linear.naming import describe_modes
-    from ..linear.system import linearise
-
-    try:
-        model = build_model(restore_scene(str(text)))
-        library = build(obtain(model))
-        p = library.parameters(model.values())
-        linear = linearise(library, p, find_equilibrium(library, p, tables=model.tables))
-        return describe_modes(linear, find_modes(linear))
-    except LtcgearError as error:
-        notes.append(f"no modes: {error}")
-        return []
+def _modes(dataset: "xr.Dataset", notes: list[str]) -> "tuple[Mode, ...]":
+    """Return the modes of the scene in the file; where there are none, this is noted."""
+    found = restore_modes(str(dataset.attrs.get("scene_json", "")))
+    if found.linear is None:
+        notes.append(f"{found.why}: lines are named by meshes and shafts only")
+    return found.modes
 
 
 def _write(found: "Survey", tables: dict[str, Any], folder: Path, form: str) -> list[Path]:

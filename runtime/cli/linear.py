@@ -11,7 +11,7 @@ from .. import present
 from ..options import AsJson, Changes, SceneName
 from ..results import check_target
 from .app import app
-from .opening import Opened, compile_model, open_scene
+from .opening import Opened, choose_count, compile_model, linearise_model, open_scene
 
 if TYPE_CHECKING:
     from ..linear.system import Linear
@@ -35,9 +35,6 @@ ModesFile = Annotated[
                  help="Table (.csv, .json), mode shapes (.png, .svg, .pdf), or moving ones (.html)."),
 ]  # fmt: skip
 LISTS, PICTURES, PAGE = (".csv", ".json"), (".png", ".svg", ".pdf"), ".html"
-MANY = 150
-"""Freedoms above which only the lowest ``FEW`` modes are listed unless ``--count`` asks for more."""
-FEW = 40
 
 
 @app.command()
@@ -54,12 +51,11 @@ def modes(
     _check(turn, count, mode, output)
     opened = open_scene(scene, changes)
     linear = open_linear(opened, turn)
-    freedoms = len(linear.positions)
-    wanted = FEW if count is None and freedoms > MANY else count
+    wanted = choose_count(linear) if count is None else count
     found = describe_modes(linear, find_modes(linear, wanted))
     meshes = "at their mean stiffness" if turn is None else f"as they stand after {turn:g} turns"
     data: dict[str, Any] = {
-        "scene": opened.scene.name, "turn": turn, "meshes": meshes, "freedoms": freedoms,
+        "scene": opened.scene.name, "turn": turn, "meshes": meshes, "freedoms": len(linear.positions),
         "lowest": wanted is not None, "modes": list_modes(found),
     }  # fmt: skip
     if output is not None:
@@ -69,12 +65,7 @@ def modes(
 
 def open_linear(opened: Opened, turn: float | None = None) -> "Linear":
     """Compile a scene's model, find its equilibrium and linearise it there."""
-    from ..equilibrium import find_equilibrium
-    from ..linear.system import linearise
-
-    library = compile_model(opened)
-    p = library.parameters(opened.model.values())
-    return linearise(library, p, find_equilibrium(library, p, tables=opened.model.tables), turn)
+    return linearise_model(compile_model(opened), opened.model, turn)
 
 
 def _check(turn: float | None, count: int | None, chosen: list[int] | None, output: Path | None) -> None:

@@ -1,7 +1,7 @@
 """Command that writes a result as a page: report."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from ltcgear.generated.errors import LtcgearError
@@ -11,11 +11,9 @@ from ..options import AsJson, ResultPath
 from ..results import check_target
 from ..results import load as load_result
 from .app import app
-from .linear import FEW, MANY
+from .opening import restore_modes
 
 if TYPE_CHECKING:
-    from ltcgear.symbolic.schema import Scene
-
     from ..report.page import Background
     from ..results import Result
 
@@ -49,40 +47,7 @@ def report(
 
 def find_background(result: "Result", modes: bool) -> "Background":
     """Return sources and modes of the scene that a result holds; what cannot be had is left out, with the reason."""
-    from ltcgear.symbolic.scene import restore_scene
-
     from ..report.page import Background
 
-    text = str(result.dataset.attrs.get("scene_json", ""))
-    if not text:
-        return Background()
-    try:
-        scene = restore_scene(text)
-    except LtcgearError as error:
-        return Background(why_no_modes=f"the scene in the result is not understood ({error}).")
-    sources = dict(scene.sources)
-    if not modes:
-        return Background(sources, why_no_modes="left out by --no-modes.")
-    try:
-        return Background(sources, **_modes(scene))
-    except LtcgearError as error:
-        return Background(sources, why_no_modes=f"{error}.")
-
-
-def _modes(scene: "Scene") -> dict[str, Any]:
-    """Return a scene's linear system and its named modes; only the lowest of a large train."""
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.pipeline import obtain
-
-    from ..equilibrium import find_equilibrium
-    from ..library import build
-    from ..linear.modes import find_modes
-    from ..linear.naming import describe_modes
-    from ..linear.system import linearise
-
-    model = build_model(scene)
-    library = build(obtain(model))
-    p = library.parameters(model.values())
-    linear = linearise(library, p, find_equilibrium(library, p, tables=model.tables))
-    wanted = FEW if len(linear.positions) > MANY else None
-    return {"linear": linear, "modes": tuple(describe_modes(linear, find_modes(linear, wanted)))}
+    found = restore_modes(str(result.dataset.attrs.get("scene_json", "")), modes)
+    return Background(found.sources, found.linear, found.modes, found.why + ".")

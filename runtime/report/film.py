@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..analysis.orbits import find_shift, list_members
 from .panels import nice
 
 if TYPE_CHECKING:
@@ -87,14 +88,14 @@ class Track:
         return float(self.dx[sample, k]), float(self.dy[sample, k])
 
 
-def make_track(dataset: xr.Dataset, panels: list[Panel]) -> Track:
+def make_track(dataset: xr.Dataset) -> Track:
     """Read the motion of all members and the mesh forces from a result."""
     time = dataset["time"].values
     none = np.zeros((len(time), 0))
     rotors = [str(name) for name in dataset["rotor"].values] if "twist" in dataset else []
     twist = dataset["twist"].transpose("time", "rotor").values if rotors else none
     ratio = dataset["speed_ratio"].values if rotors else np.zeros(0)
-    bodies, dx, dy = _shifts(dataset, panels, dict(zip(rotors, twist.T, strict=True)))
+    bodies, dx, dy = _shifts(dataset)
     meshes = [str(name) for name in dataset["mesh"].values] if "mesh_force" in dataset else []
     force = dataset["mesh_force"].transpose("time", "mesh").values if meshes else none
     touching = dataset["mesh_contact"].values > 0 if "mesh_contact" in dataset else np.ones(force.shape, dtype=bool)
@@ -102,23 +103,11 @@ def make_track(dataset: xr.Dataset, panels: list[Panel]) -> Track:
     return Track(time, phi, rotors, ratio, twist, bodies, dx, dy, meshes, force, touching)
 
 
-def _shifts(dataset: xr.Dataset, panels: list[Panel], twist: dict[str, Vector]) -> tuple[list[str], Vector, Vector]:
-    """Return by member its shift in axes that turn with its carrier, whose own twist turns what it carries."""
-    samples = dataset.sizes["time"]
-    if "displacement_x" not in dataset:
-        return [], np.zeros((samples, 0)), np.zeros((samples, 0))
-    drawn = {wheel.body: (panel, wheel) for panel in panels for wheel in panel.wheels}
-    dimension = next(name for name in dataset["displacement_x"].dims if name != "time")
-    bodies = [str(name) for name in dataset[dimension].values]
-    columns = []
-    for k, body in enumerate(bodies):
-        shift = dataset["displacement_x"].values[:, k] + 1j * dataset["displacement_y"].values[:, k]
-        if body in drawn:
-            panel, wheel = drawn[body]
-            place = complex(wheel.x, wheel.y)
-            shift = (place + shift) * np.exp(-1j * twist.get(panel.frame, 0.0)) - place
-        columns.append(shift)
-    shifts = np.array(columns).T
+def _shifts(dataset: xr.Dataset) -> tuple[list[str], Vector, Vector]:
+    """Return by member its shift in axes that turn with its carrier."""
+    bodies = list_members(dataset)
+    still = np.zeros((dataset.sizes["time"], 0))
+    shifts = np.column_stack([still, *(find_shift(dataset, body) for body in bodies)])
     return bodies, shifts.real, shifts.imag
 
 

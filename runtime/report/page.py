@@ -51,7 +51,7 @@ class Background:
     sources: Mapping[str, str] = field(default_factory=dict)
     linear: Linear | None = None
     modes: tuple[Mode, ...] = ()
-    why_no_modes: str = "the result does not hold its scene."
+    why_no_modes: str = "the file holds no scene."
 
 
 def write_report(result: Result, path: Path, background: Background | None = None, at: float | None = None) -> Path:
@@ -131,7 +131,7 @@ def _check(dataset: xr.Dataset, at: float | None) -> None:
 def _motion(dataset: xr.Dataset) -> tuple[Track, list[Panel]]:
     """Return what moves, and the stages it moves in."""
     panels = make_panels(dataset)
-    return make_track(dataset, panels), panels
+    return make_track(dataset), panels
 
 
 def _pace(window: Window, track: Track) -> float:

@@ -14,9 +14,9 @@ from ..analysis.lines import Clues, find_clues, name_lines, turns_per_second
 from ..analysis.load_figures import carrier_turns, draw_forces, draw_shares
 from ..analysis.orbit_figures import draw_orbits
 from ..analysis.orbits import find_orbit, list_members
-from ..analysis.orders import find_order_spectrum, shaft_angle
+from ..analysis.orders import choose_shaft, find_order_spectrum, shaft_angle
 from ..analysis.sharing import find_load_share, list_groups
-from ..analysis.span import cut, speed_change
+from ..analysis.span import CHANGING, cut, speed_change
 from ..analysis.spectrum import find_spectrum
 from ..analysis.spectrum_figures import draw_spectrogram, draw_spectrum, draw_waterfall
 from ..analysis.trace import list_items, pick
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
 MOST = 8
 """Figures of one kind in a page."""
-CHANGING = 0.02
-"""Change of speed from which spectra are taken over turns instead of time."""
 REST = 1e-12
 """Largest shift of a member that is at rest [m]; less is rounding."""
 ROUNDING = 1e-9
@@ -149,8 +147,8 @@ def _spectrum(part: xr.Dataset, quantity: str, item: str, clues: Clues, turning:
     for signal in signals:
         _refuse_constant(signal)
     highest = HARMONICS * max(clues.meshes.values(), default=0.0)
-    if turning:
-        rotor = _fastest(part)
+    rotor = choose_shaft(part) if turning else None
+    if rotor is not None:
         angle = shaft_angle(part, rotor)
         spectrum, each = find_order_spectrum(signals[0], angle), turns_per_second(angle)
         clues, highest = clues.over(each), highest / each
@@ -187,12 +185,6 @@ def _liveliest(dataset: xr.Dataset) -> list[tuple[str, str]]:
     return [("acceleration_x", member) for member in list(kinds.values())[:2]]
 
 
-def _fastest(dataset: xr.Dataset) -> str:
-    """Return the rotor that turns fastest."""
-    speed = np.abs(dataset["speed"].transpose("time", "rotor").values).mean(axis=0)
-    return str(dataset["rotor"].values[int(np.argmax(speed))])
-
-
 def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     """Draw a spectrogram and a waterfall of the fastest mesh's force over the whole record."""
     frequencies = mesh_frequencies(dataset) if "mesh_phase" in dataset and dataset.sizes["time"] > 4 else {}
@@ -208,7 +200,8 @@ def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section
 
     def find() -> tuple[Any, Any, float | None]:
         _refuse_constant(pick(dataset, "mesh_force", mesh))
-        speed = pick(dataset, "speed", _fastest(dataset)) if "speed" in dataset else None
+        rotor = choose_shaft(dataset)
+        speed = None if rotor is None else pick(dataset, "speed", rotor)
         found = find_waterfall(pick(dataset, "mesh_force", mesh), speed)
         end = _end(highest, found.frequency)
         return found, mesh_courses(dataset, found), end
@@ -224,8 +217,8 @@ def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     if not members:
         return
     text = (
-        "Paths of members' centres in the second half of the record, in axes that turn with the stage's carrier. "
-        "A cross is the mean place, a slanted one the loaded equilibrium, a dashed circle a clearance."
+        "Paths of members' centres in the second half of the record, in axes that turn with the stage's carrier as it "
+        "is. A cross is the mean place, a slanted one the loaded equilibrium, a dashed circle a clearance."
     )
     section = Section("orbits", "Orbits", [text])
     try:

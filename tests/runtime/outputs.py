@@ -6,6 +6,7 @@ import xarray as xr
 UNITS = {
     "mesh_force": "N", "mesh_phase": "1", "mesh_deflection": "m", "speed": "rad/s", "twist": "rad", "angle": "rad",
     "bearing_force_x": "N", "bearing_force_y": "N", "displacement_x": "m", "displacement_y": "m",
+    "acceleration_x": "m/s^2",
 }  # fmt: skip
 DIMENSIONS = {"mesh": "mesh", "speed": "rotor", "twist": "rotor", "bearing": "bearing", "displacement": "member"}
 

@@ -16,6 +16,7 @@ from ltcgear.runtime.analysis import (
     select_output,
 )
 from ltcgear.runtime.analysis.span import speed_change
+from ltcgear.runtime.analysis.transmission import harmonics_of
 
 from .outputs import output, result, times
 from .synthetic import make_dataset
@@ -119,7 +120,11 @@ def test_transmission_errors_that_cannot_be_known_are_refused():
         find_transmission_error(bare, "psh.mesh", "guess")
 
 
-# --- durations
+def test_harmonics_of_whole_cycles_are_those_of_the_signal():
+    """A periodic window keeps bins orthogonal: nothing of one harmonic is read at another."""
+    phase = 100.0 * TIME
+    value = 7.0 + 3.0 * np.sin(TURN * phase) + 0.5 * np.cos(3.0 * TURN * phase)
+    assert harmonics_of(value, phase, 4) == pytest.approx((3.0, 0.0, 0.5, 0.0), abs=1e-12)
 
 
 def triangle(periods):
@@ -171,8 +176,8 @@ def test_the_example_of_the_standard():
     assert edges == pytest.approx(np.arange(10.0))
     assert list(count) == [0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.5, 0.0, 1.5]
     assert found.by_range_and_mean()[2].sum() == pytest.approx(4.0)
-    cubes = (0.5 * 3.0**3 + 1.5 * 4.0**3 + 0.5 * 6.0**3 + 8.0**3 + 0.5 * 9.0**3) / 4.0
-    assert found.equivalent(3.0) == pytest.approx(cubes ** (1 / 3))
+    cubes = (0.5 * 3.0**3 + 1.5 * 4.0**3 + 0.5 * 6.0**3 + 8.0**3 + 0.5 * 9.0**3) / 7.0
+    assert found.equivalent(3.0, 7.0) == pytest.approx(cubes ** (1 / 3))
 
 
 def test_a_sine_is_its_own_cycles():
@@ -180,12 +185,30 @@ def test_a_sine_is_its_own_cycles():
     assert found.total == pytest.approx(8.0, abs=0.51)
     assert found.span[found.span > 30.0] == pytest.approx(40.0, rel=1e-3)
     # 7.5 cycles of 40, and what is left at the ends: two half cycles of 20.
-    assert found.equivalent(5.0) == pytest.approx(((7.5 * 40.0**5 + 20.0**5) / 8.5) ** 0.2, rel=1e-3)
+    assert found.equivalent(5.0, 8.0) == pytest.approx(((7.5 * 40.0**5 + 20.0**5) / 8.0) ** 0.2, rel=1e-3)
+
+
+def test_ripple_adds_to_the_equivalent_range():
+    """By Miner's rule what is added does damage; two loads are ranked by their damage over one count."""
+    plain, other = (count_cycles(output(50.0 + size * WAVE, TIME)) for size in (20.0, 17.0))
+    rippled = count_cycles(output(50.0 + 20.0 * WAVE + 2.0 * np.sin(TURN * 500.0 * TIME), TIME))
+    assert rippled.total > 10.0 * plain.total
+    equivalents = [one.equivalent(6.0, 8.0) for one in (other, plain, rippled)]
+    damages = [float((one.count * one.span**6.0).sum()) for one in (other, plain, rippled)]
+    assert equivalents == sorted(equivalents)
+    assert damages == sorted(damages)
+    assert np.array(equivalents) ** 6.0 * 8.0 == pytest.approx(damages)
+
+
+@pytest.mark.parametrize(("exponent", "reference"), [(6.0, 0.0), (0.0, 8.0), (6.0, float("nan"))])
+def test_an_equivalent_range_needs_a_count_and_a_slope(exponent, reference):
+    with pytest.raises(LtcgearError, match=r"equivalent range: slope .* both must be above zero"):
+        count_cycles(output(WAVE, TIME)).equivalent(exponent, reference)
 
 
 def test_a_constant_load_has_no_cycles():
     found = count_cycles(output(np.ones_like(TIME), TIME))
-    assert (found.total, found.largest, found.equivalent(3.0)) == (0.0, 0.0, 0.0)
+    assert (found.total, found.largest, found.equivalent(3.0, 8.0)) == (0.0, 0.0, 0.0)
     assert found.by_range()[1].sum() == 0.0
 
 
@@ -220,13 +243,39 @@ def test_the_orbit_of_a_circle():
     assert found.static == pytest.approx((7e-6, -1e-6))
     assert found.clearance == 9e-6
     assert found.floating
+    assert found.held == "no bearing"
     later = find_orbit(dataset.isel(time=slice(4000, None)), "s.sun", dataset)
     assert later.static == found.static
     assert find_orbit(dataset.isel(time=slice(4000, None)), "s.sun").static is None
     held = dataset.assign(bearing_force_x=(("time", "bearing"), np.zeros((TIME.size, 1))), bearing=["s.sun"])
+    assert find_orbit(held, "s.sun").held == "bearing"
     assert not find_orbit(held, "s.sun").floating
     with pytest.raises(LtcgearError, match=r"s.planet: no member that moves sideways; there are s.sun"):
         find_orbit(dataset, "s.planet")
+
+
+def test_orbits_are_in_axes_that_turn_with_the_carrier_as_it_is():
+    """A planet that stays on its pin does not move, however far the carrier is turned against the rigid motion."""
+    twist = 0.2 + 0.05 * WAVE
+    place, off = 0.3 + 0.4j, 5e-6 - 2e-6j
+    planet = (place + off) * np.exp(1j * twist) - place
+    sun = 4e-6 * np.exp(1j * twist)
+    paths = {"s.planet.1": planet, "s.sun": sun, "t.output": sun}
+    dataset = result(
+        TIME, {"s.planet.1.x_0": 0.3, "s.planet.1.y_0": 0.4}, twist={"s.sun": 1.0, "s.carrier": twist},
+        displacement_x={name: path.real for name, path in paths.items()},
+        displacement_y={name: path.imag for name, path in paths.items()},
+    )  # fmt: skip
+    assert np.abs(planet).min() > 0.05
+    found = find_orbit(dataset, "s.planet.1")
+    assert found.centre == pytest.approx((5e-6, -2e-6), abs=1e-15)
+    assert found.static == pytest.approx((5e-6, -2e-6), abs=1e-15)
+    assert found.largest == pytest.approx(0.0, abs=1e-15)
+    assert (found.held, found.floating) == ("pin", False)
+    assert find_orbit(dataset, "s.sun").centre == pytest.approx((4e-6, 0.0), abs=1e-15)
+    assert find_orbit(dataset, "t.output").x == pytest.approx(sun.real, abs=1e-18)
+    later = find_orbit(dataset.isel(time=slice(4000, None)), "s.planet.1", dataset)
+    assert later.static == pytest.approx((5e-6, -2e-6), abs=1e-15)
 
 
 # --- spans
@@ -239,12 +288,14 @@ def test_spans_are_cut_to_the_second_half_or_as_asked():
     assert (part[0], part[-1]) == (0.5, 1.0)
 
 
-def test_extremes_between_samples_belong_to_the_second_half_only():
+def test_extremes_between_samples_belong_to_the_span_they_were_followed_over():
     extremes = {name: ("mesh", np.zeros(15), {"from_s": 2.0}) for name in ("mesh_force_lowest", "mesh_force_highest")}
     dataset = make_dataset()
     dataset = dataset.assign({k: (d, v[: dataset.sizes["mesh"]], a) for k, (d, v, a) in extremes.items()})
     assert "mesh_force_lowest" in cut(dataset)
     assert "mesh_force_lowest" not in cut(dataset, 2.0, 3.0)
+    assert "mesh_force_lowest" not in cut(dataset, 1.0)
+    assert "mesh_force_lowest" not in cut(dataset, 3.0)
 
 
 @pytest.mark.parametrize(

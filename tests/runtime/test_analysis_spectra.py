@@ -1,5 +1,7 @@
 """Spectra, orders, waterfalls and envelopes of signals whose lines are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
@@ -17,6 +19,7 @@ from ltcgear.runtime.analysis import (
 )
 from ltcgear.runtime.analysis.envelope import choose_band
 from ltcgear.runtime.analysis.lines import Clues
+from ltcgear.runtime.analysis.orders import choose_shaft
 from ltcgear.runtime.linear.modes import Mode
 from ltcgear.runtime.spectra import WINDOWS, explain_line, noise_bandwidth
 
@@ -172,7 +175,69 @@ def test_explanations_in_turn(frequency, kind, name):
     assert explain_line(frequency, meshes, 0.3, carriers, shafts, modes) == (kind, name)
 
 
+LSP_MODES = {"mode 37": (1342.0, 20.0), "mode 40": (1969.0, 80.0)}
+
+
+@pytest.mark.parametrize(
+    ("frequency", "within", "rate", "name"),
+    [
+        (46 * 29.5 + 0.2, 0.6, 8192.0, "46 lsp"),
+        (1344.2, 0.6, 8192.0, "mode 37"),  # 45.57 times the mesh frequency
+        (8192.0 - 6283.0 + 0.3, 0.6, 8192.0, "10 psh folded"),
+        (8192.0 - 6283.0 + 0.3, 0.6, None, "mode 40"),
+        (2 * 8192.0 - 25 * 628.3 + 0.2, 0.6, 8192.0, "25 psh folded"),
+        (2 * 8192.0 - 26 * 628.3 + 0.2, 0.6, 8192.0, ""),
+        (46 * 29.5 + 0.2, 5.0, 8192.0, "mode 37"),  # of coarse bins chance finds an order for anything
+        (4096.0 + 29.5, 0.6, 8192.0, ""),
+    ],
+)
+def test_forced_lines_of_high_order_are_no_modes(frequency, within, rate, name):
+    """What a mesh forces has an order, however high, or is folded back by sampling at 8192 Hz; modes come last."""
+    meshes = {"lsp": 29.5, "psh": 628.3}
+    told = explain_line(frequency, meshes, within, modes=LSP_MODES, highest_hz=4096.0, rate_hz=rate)
+    assert told == (("mode" if name.startswith("mode") else "harmonic") if name else "", name)
+
+
+def test_a_sampled_signal_has_harmonics_and_folded_ones():
+    """A cosine at 16 times 613 Hz, 9808 Hz, sampled at 8192 Hz shows at 1616 Hz."""
+    signal = np.cos(TURN * 103.0 * TIME) + np.cos(TURN * 9808.0 * TIME) + np.cos(TURN * 28 * 103.0 * TIME)
+    modes = {"mode 3": (1609.0, 30.0), "mode 4": (2880.0, 30.0)}
+    clues = Clues({"a": 103.0, "b": 613.0}, modes=modes, rate=8192.0)
+    lines = name_lines(find_spectrum(output(signal, TIME)), clues)
+    found = {round(line.place): (line.kind, line.name, line.mode) for line in lines}
+    assert found == {
+        103: ("harmonic", "1 a", ""),
+        1616: ("harmonic", "16 b folded", "mode 3"),
+        2884: ("harmonic", "28 a", "mode 4"),
+    }
+    assert clues.over(10.0).rate == pytest.approx(819.2)
+
+
+def test_accelerations_that_were_filtered_do_not_fold():
+    """Above half the kept rate a filter leaves nothing, so a line there is something else."""
+    part = make_dataset().sel(time=slice(STEADY, None))
+    signal = output(np.cos(TURN * 9808.0 * TIME), TIME, "acceleration_x")
+    for oversample, name in ((1, "16 b folded"), (8, "")):
+        clues = replace(find_clues(part.assign_attrs(oversample=oversample)), meshes={"b": 613.0})
+        assert name_lines(find_spectrum(signal), clues)[0].name == name
+
+
+def test_where_speeds_change_nothing_is_said_of_folding():
+    assert find_clues(make_dataset().sel(time=slice(STEADY, None))).rate == pytest.approx(8192.0, rel=1e-3)
+    time, angle, speed = run_up(5.0, 5.2)
+    ramp = result(time, mesh_phase={"a.mesh": 20.0 * angle / TURN}, speed={"a.input": speed})
+    assert find_clues(ramp).rate is None
+
+
 # --- orders
+
+
+def test_orders_are_over_the_fastest_rotor_that_is_no_planet():
+    speeds = {"s.sun": 1.0, "s.planet.1": -9.0, "s.carrier": -3.0, "t.output": 5.0, "u.planet.1": 7.0}
+    dataset = result(TIME, speed=speeds)
+    assert [choose_shaft(dataset, stage) for stage in ("s", "t", "u", "")] == ["s.carrier", *3 * ["t.output"]]
+    assert choose_shaft(result(TIME, speed={"u.planet.1": 7.0})) == "u.planet.1"
+    assert choose_shaft(result(TIME, mesh_force={"a": 1.0})) is None
 
 
 def run_up(first, last, seconds=2.0):
@@ -289,6 +354,23 @@ def test_an_amplitude_modulation_has_its_envelope_and_sidebands():
 def test_what_lies_outside_the_band_does_not_count():
     other = modulated() + output(9.0 * np.sin(TURN * 1500.0 * TIME) + 5.0, TIME)
     assert find_envelope(other, 500.0, 700.0).value == pytest.approx(find_envelope(modulated(), 500.0, 700.0).value)
+
+
+def test_leakage_is_no_sideband():
+    """A line between bins has skirts; what they are at the turns of a shaft is no modulation."""
+    alone = output(np.sin(TURN * 600.37 * TIME) + 1e-3 * np.sin(TURN * 20.0 * TIME), TIME)
+    for window in ("hann", "boxcar"):
+        bands = find_sidebands(find_spectrum(alone, window=window), ("1 psh", 600.37), ("shaft", 20.3))
+        assert (bands.lower, bands.upper, bands.depth) == (3 * (0.0,), 3 * (0.0,), 0.0)
+    noise = 1e-2 * np.random.default_rng(3).normal(size=TIME.size)
+    assert find_sidebands(find_spectrum(modulated(1e-4) + noise), ("1 psh", 600.0), ("shaft", 20.0)).depth == 0.0
+    weak = find_sidebands(find_spectrum(modulated(0.02, 600.37) + noise), ("1 psh", 600.37), ("shaft", 20.0))
+    assert weak.depth == pytest.approx(0.02, rel=0.1)
+
+
+def test_sidebands_three_bins_from_the_line_are_read():
+    bands = find_sidebands(find_spectrum(modulated(beat=3.0)), ("1 psh", 600.0), ("shaft", 3.0))
+    assert bands.lower == pytest.approx((0.6, 0.0, 0.0), abs=1e-9)
 
 
 def test_sidebands_too_close_to_tell_are_none():

@@ -178,7 +178,7 @@ def test_a_model_without_a_scene_has_a_page_too(run, tmp_path):
     result.save(tmp_path / "bare.nc")
     assert run("report", tmp_path / "bare.nc")[0] == 0
     words = Page((tmp_path / "bare.html").read_text("utf-8")).text
-    assert "Not shown: the result does not hold its scene" in words
+    assert "Not shown: the file holds no scene" in words
     assert "built in Python" in words
 
 

@@ -20,7 +20,7 @@ def rig(tmp_path_factory):
     """The rig's result, panels and track."""
     result = load_run(tmp_path_factory.mktemp("rig"), "rig-2mw", 0.4)
     panels = make_panels(result.dataset)
-    return result, panels, make_track(result.dataset, panels)
+    return result, panels, make_track(result.dataset)
 
 
 def stage(panels, name):
@@ -146,7 +146,7 @@ def test_other_flanks_push_the_other_way(tmp_path_factory):
     """With backlash the back flank's arrow turns gear 2 against the front one's; only one of them pushes at a time."""
     result = load_run(tmp_path_factory.mktemp("start"), "start-up", 0.2)
     panels = make_panels(result.dataset)
-    panel, track = stage(panels, "pair"), make_track(result.dataset, panels)
+    panel, track = stage(panels, "pair"), make_track(result.dataset)
     front, back = panel.contacts
     assert back.name == front.name + BACK
     assert moment(panel, front, "pair.output") == pytest.approx(-moment(panel, back, "pair.output"), rel=1e-6)
@@ -159,7 +159,7 @@ def test_torsional_scenes_are_drawn_on_base_circles(tmp_path_factory):
     """Where nothing moves sideways the force is along the tangent of the base circles, which touch."""
     result = load_run(tmp_path_factory.mktemp("bounce"), "hard-bounce", 0.001)
     panels = make_panels(result.dataset)
-    track = make_track(result.dataset, panels)
+    track = make_track(result.dataset)
     contact = panels[0].contacts[0]
     assert abs(cos(contact.direction)) < 1e-9
     assert magnify(track, panels) == 1.0
