@@ -19,6 +19,14 @@ CARRIER_ORDERS = 6
 SIDE_ORDERS = 3
 #: Windows, and to how many bins on either side of a sine each spreads it (half of its main lobe).
 WINDOWS = {"hann": 2, "flattop": 5, "blackmanharris": 4, "boxcar": 1}
+#: Windows as sums of cosines: w_n = a_0 - a_1 cos(2 pi n / N) + a_2 cos(4 pi n / N) - ... They are those of
+#: scipy.signal.get_window, as are the peaks of `find_peaks`; that package takes longer to import than spectra to find.
+COSINES = {
+    "hann": (0.5, 0.5),
+    "flattop": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
+    "blackmanharris": (0.35875, 0.48829, 0.14128, 0.01168),
+    "boxcar": (1.0,),
+}
 
 
 @dataclass(frozen=True)
@@ -47,11 +55,13 @@ def window_samples(window: str, count: int) -> FloatArray:
     LtcgearError
         If there is no such window.
     """
-    from scipy.signal import get_window
-
     if window not in WINDOWS:
         raise LtcgearError(f"window {window}: must be one of {', '.join(WINDOWS)}")
-    return np.asarray(get_window(window, count, fftbins=True), dtype=np.float64)
+    angle = 2.0 * np.pi / count * np.arange(count)
+    weights = np.zeros(count)
+    for k, share in enumerate(COSINES[window]):
+        weights += (-1) ** k * share * np.cos(k * angle)
+    return weights
 
 
 def noise_bandwidth(window: str, count: int) -> float:
@@ -154,16 +164,31 @@ def strongest_lines(
     list of Line
         Possibly fewer than `count`. The first and last bin are never peaks.
     """
-    from scipy.signal import find_peaks
-
     bins = max(1, int(np.ceil(separation_hz / (frequency[1] - frequency[0]))))
-    peaks, _ = find_peaks(amplitude, distance=bins)
-    ordered = sorted(peaks, key=lambda peak: -float(amplitude[peak]))[:count]
+    ordered = find_peaks(amplitude, bins)[:count]
     return [
         Line(float(frequency[peak]), float(amplitude[peak]))
         for peak in ordered
         if amplitude[peak] > 0.0 and amplitude[peak] >= relative_floor * amplitude[ordered[0]]
     ]
+
+
+def find_peaks(values: FloatArray, distance: int = 1) -> list[int]:
+    """Return local maxima, largest first; of those closer than a distance [samples] only the largest stays.
+
+    Of a flat one it is the middle. The first and last sample are never peaks.
+    """
+    edges = np.flatnonzero(np.diff(values)) + 1
+    starts, stops = np.append(0, edges), np.append(edges, values.size)
+    rising = np.diff(values[starts]) > 0.0
+    tops = np.flatnonzero(rising[:-1] & ~rising[1:]) + 1
+    middles = (starts[tops] + stops[tops] - 1) // 2
+    found, near = list[int](), np.zeros(values.size, dtype=bool)
+    for peak in middles[np.argsort(-values[middles], kind="stable")]:
+        if not near[peak]:
+            found.append(int(peak))
+            near[max(peak - distance + 1, 0) : peak + distance] = True
+    return found
 
 
 def explain_line(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -198,6 +198,7 @@ def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section
     )
     highest = HARMONICS * frequencies.get(stage_of(mesh), 0.0)
 
+    @cache
     def find() -> tuple[Any, Any, float | None]:
         _refuse_constant(pick(dataset, "mesh_force", mesh))
         rotor = choose_shaft(dataset)

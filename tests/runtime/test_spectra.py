@@ -1,4 +1,6 @@
 import ctypes
+import subprocess
+import sys
 from functools import cache
 from types import SimpleNamespace
 
@@ -9,12 +11,17 @@ from ltcgear.generated import store
 from ltcgear.generated.contract import Report
 from ltcgear.runtime.reading import sampled
 from ltcgear.runtime.spectra import (
+    WINDOWS,
     Line,
     amplitude_spectrum,
+    find_peaks,
     name_line,
     planar_spectrum,
     strongest_lines,
+    window_samples,
 )
+from scipy.signal import find_peaks as scipy_peaks
+from scipy.signal import get_window
 
 RATE = 1000.0
 TIME = np.arange(1000) / RATE
@@ -90,6 +97,37 @@ def test_dust_is_no_line():
     spectrum = amplitude_spectrum(sine(1.0, 100.0) + sine(1e-4, 200.0), RATE)
     assert len(strongest_lines(*spectrum, 5, 3.0)) == 1
     assert len(strongest_lines(*spectrum, 5, 3.0, relative_floor=1e-5)) == 2
+
+
+@pytest.mark.parametrize("window", WINDOWS)
+@pytest.mark.parametrize("count", [64, 101])
+def test_windows_are_those_of_scipy(window, count):
+    assert window_samples(window, count) == pytest.approx(get_window(window, count), abs=1e-12)
+
+
+@pytest.mark.parametrize("distance", [1, 3, 7])
+@pytest.mark.parametrize("levels", [3, 1000])
+def test_peaks_are_those_of_scipy(distance, levels):
+    """Of few levels there are flat tops and flat shoulders; ties of equal heights are left out, any may stay."""
+    values = np.random.default_rng(distance).integers(0, levels, 400) + 1e-6 * (levels > 3) * np.arange(400.0)
+    expected = scipy_peaks(values, distance=distance if levels > 3 else 1)[0]
+    found = find_peaks(values, distance if levels > 3 else 1)
+    assert sorted(found) == expected.tolist()
+    assert (np.diff(values[found]) <= 0.0).all()
+
+
+def test_spectra_and_their_lines_do_not_load_scipy():
+    """That takes longer than all spectra of a report."""
+    code = (
+        "import sys, numpy as np; from ltcgear.runtime.spectra import amplitude_spectrum, strongest_lines;"
+        "strongest_lines(*amplitude_spectrum(np.sin(np.arange(99.0)), 1.0), 3, 0.1);"
+        "print('scipy.signal' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+
+
+def test_values_of_one_level_have_no_peaks():
+    assert find_peaks(np.ones(5)) == find_peaks(np.ones(1)) == find_peaks(np.array([1.0, 2.0])) == []
 
 
 def test_silence_has_no_lines():
