@@ -13,8 +13,9 @@ FloatArray = NDArray[np.float64]
 
 #: Highest orders that still count as an explanation among others; beyond them coincidence rules.
 HARMONICS = 25
-#: Widest tolerance, over a mesh frequency, within which any of its orders explains what nothing else does.
-SHARP = 0.05
+#: Share of the tolerance within which any order of a mesh explains what nothing else does, and the widest that this may
+#: be over the mesh frequency: further out chance finds an order for anything.
+CLOSE, SHARP = 1 / 3, 0.05
 CARRIER_ORDERS = 6
 SIDE_ORDERS = 3
 #: Windows, and to how many bins on either side of a sine each spreads it (half of its main lobe).
@@ -229,7 +230,7 @@ def explain_line(
         broader than the tolerance matches as far as its bandwidth goes.
     highest_hz
         End of the spectrum: harmonics of any order up to it count, of meshes whose orders the
-        tolerance tells apart (`SHARP`).
+        tolerance tells apart (`CLOSE`, `SHARP`).
     rate_hz
         Sampling rate, where harmonics beyond its half may have folded back.
 
@@ -241,17 +242,18 @@ def explain_line(
     turning = {name: value for name, value in mesh_frequencies.items() if value > 0.0}
     carriers = {name: value for name, value in (rotations or {}).items() if value > 0.0}
     others = {name: value for name, value in (shafts or {}).items() if value > 0.0}
+    close = CLOSE * tolerance_hz
     tiers = (
-        ("harmonic", list(_harmonics(turning))),
-        ("sideband", [*_sidebands(turning, carriers), *_sidebands(turning, turning)]),
-        ("shaft", [*_turns(others), *_sidebands(turning, others)]),
-        ("harmonic", [*_high_harmonics(turning, tolerance_hz, highest_hz), *_folded(turning, rate_hz)]),
+        ("harmonic", tolerance_hz, list(_harmonics(turning))),
+        ("sideband", tolerance_hz, [*_sidebands(turning, carriers), *_sidebands(turning, turning)]),
+        ("shaft", tolerance_hz, [*_turns(others), *_sidebands(turning, others)]),
+        ("harmonic", close, [*_high_harmonics(turning, close, highest_hz), *_folded(turning, rate_hz)]),
     )
-    for kind, candidates in tiers:
+    for kind, within, candidates in tiers:
         matches = [
             (order, abs(value - frequency_hz), name)
             for order, value, name in candidates
-            if abs(value - frequency_hz) <= tolerance_hz
+            if abs(value - frequency_hz) <= within
         ]
         if matches:
             return kind, min(matches)[2]

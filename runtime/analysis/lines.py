@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ..linear.modes import Mode
 
 WITHIN = 0.6
-"""How far a peak may be from what it is named after [bins]; a peak is up to half a bin from its line."""
+"""How far a line may be from what it is named after [bins], where others near it push it."""
 DUST = 1e-4
 """Share of the strongest line below which peaks are left out."""
 
@@ -66,9 +66,9 @@ class NamedLine:
     Attributes
     ----------
     place
-        On the spectrum's axis [Hz], or order [1].
+        On the spectrum's axis [Hz], or order [1], between bins where the peak is.
     amplitude
-        [unit of the output].
+        At the bin [unit of the output].
     kind, name
         ``harmonic``, ``sideband``, ``shaft`` or ``mode``, and the name; "" where nothing explains the line.
     mode
@@ -140,7 +140,7 @@ def name_lines(
     rate = None if clues.filtered and spectrum.name.startswith("acceleration") else clues.rate
     named = []
     for line in found:
-        place = line.frequency_hz
+        place = spectrum.refine(line.frequency_hz)
         kind, name = explain_line(place, clues.meshes, within, clues.carriers, clues.shafts, clues.modes, highest, rate)
         named.append(NamedLine(place, line.amplitude, kind, name, nearest_mode(place, within, clues.modes)))
     return tuple(named)

@@ -74,6 +74,16 @@ class Spectrum:
         near = np.abs(self.axis - place) <= 1.01 * self.resolution
         return float(self.value[near].max()) if near.any() else float("nan")
 
+    def refine(self, place: float) -> float:
+        """Return where between bins a peak lies: the top of a parabola through the logarithms of three bins."""
+        top = int(np.argmin(np.abs(self.axis - place)))
+        values = self.value[max(top - 1, 0) : top + 2]
+        if values.size < 3 or not values.min() > 0.0:
+            return place
+        low, middle, high = np.log(values)
+        bend = 2.0 * middle - low - high
+        return float(self.axis[top] + 0.5 * (high - low) / bend * self.resolution) if bend > 0.0 else place
+
     def peak(self, place: float) -> float:
         """Return the height of a peak within a bin of a place; 0 where there is but leakage or noise."""
         near = np.flatnonzero(np.abs(self.axis - place) <= 1.01 * self.resolution)

@@ -182,14 +182,14 @@ def test_a_start_up_gives_straight_lines():
     (deflection,) = select_output(dataset, "mesh_deflection:pair.mesh.back")
     over = find_order_spectrum(deflection, shaft_angle(dataset, "pair.output"))
     lines = name_lines(over, Clues({"pair": 21.0}), 4)
-    assert [line.place for line in lines if line.name == "1 pair"] == pytest.approx([21.0])
+    assert [line.place for line in lines if line.name == "1 pair"] == pytest.approx([21.0], abs=0.5 * over.resolution)
     assert min(abs(line.place - 42.0) for line in lines) < 1.5 * over.resolution
     rigid = (dataset["reference_angle"] * dataset["speed_ratio"]).sel(rotor="pair.output").assign_attrs(units="rad")
     places = {
         line.name: line.place for line in name_lines(find_order_spectrum(deflection, rigid), Clues({"pair": 21.0}))
     }
     assert {name: places[name] for name in ("1 pair", "2 pair", "4 pair")} == pytest.approx(
-        {"1 pair": 21.0, "2 pair": 42.0, "4 pair": 84.0}
+        {"1 pair": 21.0, "2 pair": 42.0, "4 pair": 84.0}, abs=0.5 * over.resolution
     )
     (speed,) = select_output(dataset, "speed:pair.output")
     fall = find_waterfall(deflection, speed, resolution_hz=16.0)

@@ -181,12 +181,13 @@ LSP_MODES = {"mode 37": (1342.0, 20.0), "mode 40": (1969.0, 80.0)}
 @pytest.mark.parametrize(
     ("frequency", "within", "rate", "name"),
     [
-        (46 * 29.5 + 0.2, 0.6, 8192.0, "46 lsp"),
+        (46 * 29.5 + 0.15, 0.6, 8192.0, "46 lsp"),
+        (46 * 29.5 + 0.6, 1.5, 8192.0, "mode 37"),
         (1344.2, 0.6, 8192.0, "mode 37"),  # 45.57 times the mesh frequency
-        (8192.0 - 6283.0 + 0.3, 0.6, 8192.0, "10 psh folded"),
+        (8192.0 - 6283.0 + 0.15, 0.6, 8192.0, "10 psh folded"),
         (8192.0 - 6283.0 + 0.3, 0.6, None, "mode 40"),
-        (2 * 8192.0 - 25 * 628.3 + 0.2, 0.6, 8192.0, "25 psh folded"),
-        (2 * 8192.0 - 26 * 628.3 + 0.2, 0.6, 8192.0, ""),
+        (2 * 8192.0 - 25 * 628.3 + 0.15, 0.6, 8192.0, "25 psh folded"),
+        (2 * 8192.0 - 26 * 628.3, 0.6, 8192.0, ""),
         (46 * 29.5 + 0.2, 5.0, 8192.0, "mode 37"),  # of coarse bins chance finds an order for anything
         (4096.0 + 29.5, 0.6, 8192.0, ""),
     ],
@@ -196,6 +197,23 @@ def test_forced_lines_of_high_order_are_no_modes(frequency, within, rate, name):
     meshes = {"lsp": 29.5, "psh": 628.3}
     told = explain_line(frequency, meshes, within, modes=LSP_MODES, highest_hz=4096.0, rate_hz=rate)
     assert told == (("mode" if name.startswith("mode") else "harmonic") if name else "", name)
+
+
+@pytest.mark.parametrize(
+    ("window", "error"), [("hann", 0.02), ("flattop", 0.15), ("blackmanharris", 0.01), ("boxcar", 0.17)]
+)
+def test_lines_between_bins_are_placed_there(window, error):
+    """A sine anywhere between bins, under each window within less than the fifth of a bin by which names go."""
+    for place in (400.0, 400.1, 400.25, 400.4, 400.5, 400.77):
+        found = name_lines(find_spectrum(output(np.sin(TURN * place * TIME), TIME), window=window), Clues(), 1)
+        assert found[0].place == pytest.approx(place, abs=error)
+
+
+def test_where_no_parabola_fits_a_line_stands_at_its_bin():
+    found = find_spectrum(output(np.sin(TURN * 64.0 * TIME), TIME))
+    flat, bare = (replace(found, value=np.full_like(found.value, level)) for level in (1.0, 0.0))
+    assert [one.refine(64.0) for one in (found, flat, bare)] == [pytest.approx(64.0), 64.0, 64.0]
+    assert flat.refine(0.0) == 0.0
 
 
 def test_a_sampled_signal_has_harmonics_and_folded_ones():
