@@ -67,8 +67,10 @@ def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None 
 
 def _followed(dataset: xr.Dataset, start: float) -> bool:
     """Say whether extremes between samples were followed from an instant on [s], to a sample."""
-    lowest = dataset.get("mesh_force_lowest")
-    return lowest is not None and abs(float(lowest.attrs["from_s"]) - start) < 1.0 / sampling_rate(dataset)
+    followed = dataset["mesh_force_lowest"].attrs.get("from_s") if "mesh_force_lowest" in dataset else None
+    if not isinstance(followed, int | float | np.number):
+        return False
+    return bool(abs(float(followed) - start) < 1.0 / sampling_rate(dataset))
 
 
 def _refuse_gaps(part: xr.Dataset) -> None:

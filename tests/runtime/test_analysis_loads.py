@@ -296,6 +296,9 @@ def test_extremes_between_samples_belong_to_the_span_they_were_followed_over():
     assert "mesh_force_lowest" not in cut(dataset, 2.0, 3.0)
     assert "mesh_force_lowest" not in cut(dataset, 1.0)
     assert "mesh_force_lowest" not in cut(dataset, 3.0)
+    for told in ({}, {"from_s": "soon"}):
+        dataset["mesh_force_lowest"].attrs = told
+        assert "mesh_force_lowest" not in cut(dataset)
 
 
 @pytest.mark.parametrize(
