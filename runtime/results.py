@@ -9,10 +9,12 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .attributes import UNFINISHED, read_summary
 from .dataset import FORM
+from .form import find_fault
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -210,7 +212,7 @@ def load(path: Path) -> Result:
     except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF4 file ({error}); simulate again") from error
     _check_form(path, dataset)
-    return Result(dataset, _summary(path, dataset))
+    return Result(dataset, read_summary(dataset.attrs))
 
 
 def _check_form(path: Path, dataset: "xr.Dataset") -> None:
@@ -220,21 +222,13 @@ def _check_form(path: Path, dataset: "xr.Dataset") -> None:
         raise LtcgearError(f"{path}: not a result of ltcgear; give a file that `ltcgear simulate -o` wrote")
     if str(dataset.attrs.get("status", "")).startswith(UNFINISHED):
         raise LtcgearError(f"{path}: the part of a run that is not finished; --resume goes on with it")
+    if not isinstance(form, (int, np.integer)):
+        raise LtcgearError(f"{path}: damaged: attribute result_format is no whole number; simulate again")
     if form != FORM:
-        age = "older" if not isinstance(form, str) and form < FORM else "newer"
         raise LtcgearError(
-            f"{path}: has form {form}, of ltcgear {version}, {age} than form {FORM}, which this one reads; "
-            "simulate again, or read it with xarray"
+            f"{path}: has form {form}, of ltcgear {version}, {'older' if form < FORM else 'newer'} than form {FORM}, "
+            "which this one reads; simulate again, or read it with xarray"
         )
-    needed = ("time", "state", "reference_angle", "parameter_value")
-    missing = [name for name in needed if name not in dataset.variables]
-    if missing:
-        raise LtcgearError(f"{path}: damaged: {', '.join(missing)} missing; simulate again")
-
-
-def _summary(path: Path, dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return the summary that a file keeps."""
-    try:
-        return read_summary(dataset.attrs)
-    except ValueError as error:
-        raise LtcgearError(f"{path}: damaged: {error}; simulate again") from error
+    fault = find_fault(dataset)
+    if fault:
+        raise LtcgearError(f"{path}: damaged: {fault}; simulate again")

@@ -177,7 +177,7 @@ def test_foreign_files_are_refused(tmp_path):
     assert "not a readable NetCDF4 file" in refusal(text)
 
 
-@pytest.mark.parametrize(("form", "word"), [(None, "older"), (0, "older"), (99, "newer"), ("1.0", "newer")])
+@pytest.mark.parametrize(("form", "word"), [(None, "older"), (0, "older"), (99, "newer")])
 def test_other_forms_are_refused(file, tmp_path, form, word):
     def change(opened):
         opened.delncattr("result_format")
@@ -187,18 +187,73 @@ def test_other_forms_are_refused(file, tmp_path, form, word):
     assert f"{word} than form 1" in refusal(changed(file, tmp_path, change))
 
 
-@pytest.mark.parametrize("name", ["counts", "method", "statistics", "warnings"])
-def test_attributes_that_are_damaged_are_told(file, tmp_path, name):
+def test_forms_that_are_no_number_are_told(file, tmp_path):
+    for form in ("1", [1, 1], 1.5):
+        told = refusal(changed(file, tmp_path, lambda opened, form=form: opened.setncattr("result_format", form)))
+        assert "damaged: attribute result_format is no whole number" in told
+
+
+@pytest.mark.parametrize("name", ["counts", "method", "statistics", "warnings", "sheet"])
+def test_attributes_that_are_missing_are_told(file, tmp_path, name):
     told = refusal(changed(file, tmp_path, lambda opened: opened.delncattr(name)))
     assert f"damaged: attribute {name} is missing" in told
-    broken = changed(file, tmp_path, lambda opened: opened.setncattr(name, "[1"))
-    if name != "method":
-        assert f"attribute {name} is no JSON" in refusal(broken)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("counts", "{", "is no JSON"),
+        ("counts", '{"steps": "many"}', "does not hold what it should"),
+        ("counts", '{"steps": true}', "does not hold what it should"),
+        ("statistics", '{"a": {"mean": "x"}}', "does not hold what it should"),
+        ("warnings", '{"a": "b"}', "does not hold what it should"),
+        ("versions", "[]", "does not hold what it should"),
+        ("changes", "[1", "is no JSON"),
+        ("sheet", "3", "does not hold what it should"),
+        ("sheet", '{"discs": [{"body": "a"}], "titles": [], "width": 1, "height": 1}', "does not hold what it should"),
+        ("rtol", "abc", "is no number"),
+        ("simulated_s", [1.0, 2.0], "is no number"),
+        ("title", 3, "is no text"),
+    ],
+)
+def test_attributes_that_are_damaged_are_told(file, tmp_path, name, value, told):
+    assert f"damaged: attribute {name} {told}" in refusal(
+        changed(file, tmp_path, lambda opened: opened.setncattr(name, value))
+    )
 
 
 def test_variables_that_are_missing_are_told(file, tmp_path):
-    told = refusal(changed(file, tmp_path, lambda opened: opened.renameVariable("state", "stated")))
-    assert "damaged: state missing" in told
+    for name in ("state", "speed_ratio", "twist"):
+        told = refusal(changed(file, tmp_path, lambda opened, name=name: opened.renameVariable(name, "stated")))
+        assert f"damaged: {name} missing" in told
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda d: d.isel(time=slice(None, None, -1)), "time does not rise"),
+        (lambda d: d.assign_coords(time=np.zeros(d.sizes["time"])), "time does not rise"),
+        (lambda d: d.assign_coords(time=np.full(d.sizes["time"], np.nan)), "time is not a row of numbers"),
+        (lambda d: d.assign_coords(time=d["time"].values ** 2), "samples are not equally far apart"),
+        (lambda d: d.assign(parameter_value=d["parameter_value"] * np.nan), "parameters are not numbers"),
+        (lambda d: d.drop_vars("mesh"), "the names of mesh are missing"),
+        (lambda d: d.assign(mesh_force=d["mesh_force"].mean("mesh")), "mesh_force has dimensions time"),
+        (lambda d: d.assign_coords(pin=["a"] * d.sizes["pin"]), "names of pin occur twice"),
+        (lambda d: d.assign(steps=("time", ["x"] * d.sizes["time"])), "steps holds no numbers"),
+    ],
+)
+def test_data_that_are_damaged_are_told(made, tmp_path, change, told):
+    path = tmp_path / "changed.nc"
+    change(made[3].dataset).to_netcdf(path)
+    assert f"damaged: {told}" in refusal(path)
+
+
+def test_sums_that_a_failed_run_spoils_are_no_damage(made, tmp_path):
+    """A run that broke down may hold samples that are not finite; they are read."""
+    spoilt = made[3].dataset.copy(deep=True)
+    spoilt["mesh_force"][-3:] = np.nan
+    spoilt.to_netcdf(tmp_path / "a.nc")
+    assert np.isnan(load(tmp_path / "a.nc").dataset["mesh_force"].values[-1]).all()
 
 
 # --- export
