@@ -12,7 +12,7 @@ from .dataset import LONG_NAMES
 if TYPE_CHECKING:
     import xarray as xr
 
-NUMBER, WHOLE, MAYBE = (int, float), (int,), (int, float, type(None))
+NUMBER, WHOLE, MAYBE, WORDS = (int, float), (int,), (int, float, type(None)), (str, type(None))
 DISC = {"body": (str,), "x": NUMBER, "y": NUMBER, "radius": NUMBER, "part": (str,), "unit": NUMBER}
 SHAPES: dict[str, Any] = {
     "counts": {...: WHOLE},
@@ -21,12 +21,13 @@ SHAPES: dict[str, Any] = {
     "versions": {...: (str,)},
     "changes": {...: (str,)},
     STATISTICS: {...: {...: MAYBE}},
-    "accuracy": {...: (object,)},
+    "accuracy": {"meshes": {...: {...: MAYBE}}, "worst": WORDS, "reason": WORDS},
+    "scene_json": {"effects": {...: (str,)}, "sources": {...: (str,)}},
     "setting": {...: (object,)},
     "sheet": {"discs": [DISC], "titles": [[(str, int, float)]], "width": NUMBER, "height": NUMBER},
 }
 """Attribute -> shape of its JSON: types, a list of one shape, a table of known keys, or of any (``...``)."""
-TEXT = ("scene", "title", "method", "why", "engine", "status", "scene_json", "scene_text")
+TEXT = ("scene", "title", "method", "why", "engine", "status", "scene_text")
 NUMBERS = ("rtol", "oversample", "simulated_s", "real_time_factor", "energy_residual", "static_strain_j")
 NEEDED = ("time", "state", "reference_angle", "steps", "parameter_value", "parameter_unit")
 NEEDED_ATTRIBUTES = ("method", "status", "counts", "warnings", STATISTICS, "sheet")
@@ -69,7 +70,7 @@ def _attributes(dataset: "xr.Dataset") -> Iterator[str]:
             except (TypeError, ValueError, RecursionError):
                 yield f"attribute {name} is no JSON"
                 continue
-            if not fits(value, shape):
+            if not fits(value, shape) or (name == "accuracy" and value["worst"] not in {None, *value["meshes"]}):
                 yield f"attribute {name} does not hold what it should"
 
 

@@ -35,6 +35,8 @@ class Item:
         self._name, self._quantities = name, quantities
 
     def __getattr__(self, name: str) -> "xr.DataArray":
+        if name.startswith("_"):  # asked for by copy and pickle before there are any quantities
+            raise AttributeError(name)
         if name not in self._quantities:
             raise AttributeError(f"{self._name} has no {name!r}; it has {', '.join(self._quantities)}")
         return self._quantities[name]
@@ -133,13 +135,15 @@ class Result:
         names, values = self.dataset["parameter"].values, self.dataset["parameter_value"].values
         return dict(zip(map(str, names), values.tolist(), strict=True))
 
-    def save(self, path: Path) -> None:
+    def save(self, path: str | Path) -> None:
         """Write a NetCDF4 file, which ``load`` and plain xarray read."""
-        save(self.dataset, path)
+        save(self.dataset, Path(path))
 
 
-def check_target(path: Path) -> None:
-    """Refuse a result path that cannot be written, before anything is computed."""
+def check_target(path: Path, source: Path | None = None) -> None:
+    """Refuse a result path that cannot be written, before anything is computed, or that is the file which is read."""
+    if source is not None and path.exists() and source.exists() and path.samefile(source):
+        raise LtcgearError(f"{path}: is the file that is read; give another name")
     folder = path.resolve().parent
     if not folder.is_dir():
         raise LtcgearError(f"{path}: the folder {folder} does not exist; make it first")
@@ -190,11 +194,17 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     LtcgearError
         If the folder is missing or cannot be written.
     """
+    summed = {name: {"fletcher32": True} for name, data in dataset.variables.items() if has_sum(data)}
     with written_whole(path) as draft:
-        dataset.to_netcdf(draft, engine="netcdf4")
+        dataset.to_netcdf(draft, engine="netcdf4", encoding=summed)
 
 
-def load(path: Path) -> Result:
+def has_sum(data: "xr.Variable") -> bool:
+    """Say whether a variable gets a check sum (Fletcher's), so that damage of it is seen when it is read."""
+    return data.ndim > 0 and data.size > 0 and data.dtype.kind in "fiu"
+
+
+def load(path: str | Path) -> Result:
     """Read a result file into memory.
 
     Raises
@@ -204,6 +214,7 @@ def load(path: Path) -> Result:
     """
     import xarray as xr
 
+    path = Path(path)
     if not path.is_file():
         raise LtcgearError(f"{path}: no such result file; `ltcgear simulate SCENE -o {path}` writes one")
     try:

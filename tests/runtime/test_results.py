@@ -1,7 +1,9 @@
 """Results: named access, files, and files that are none."""
 
 import contextlib
+import copy
 import json
+import pickle
 import shutil
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import xarray as xr
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import build, load, simulate
 from ltcgear.runtime.ensemble import simulate_many
+from ltcgear.runtime.exports import export
 from ltcgear.symbolic import build_model, describe_scene, load_scene, restore_scene
 from ltcgear.symbolic.pipeline import obtain
 from scipy.io import loadmat
@@ -214,6 +217,9 @@ def test_attributes_that_are_missing_are_told(file, tmp_path, name):
         ("rtol", "abc", "is no number"),
         ("simulated_s", [1.0, 2.0], "is no number"),
         ("title", 3, "is no text"),
+        ("accuracy", '{"meshes": {}, "worst": "a", "reason": null}', "does not hold what it should"),
+        ("scene_json", "[" * 100_000, "is no JSON"),
+        ("scene_json", '{"effects": [1], "sources": {}}', "does not hold what it should"),
     ],
 )
 def test_attributes_that_are_damaged_are_told(file, tmp_path, name, value, told):
@@ -254,6 +260,51 @@ def test_sums_that_a_failed_run_spoils_are_no_damage(made, tmp_path):
     spoilt["mesh_force"][-3:] = np.nan
     spoilt.to_netcdf(tmp_path / "a.nc")
     assert np.isnan(load(tmp_path / "a.nc").dataset["mesh_force"].values[-1]).all()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_data_that_were_overwritten_are_noticed(file, tmp_path, seed):
+    """Every variable has a check sum: 3000 bytes set to zero anywhere in the data are told."""
+    data, generator = bytearray(file.read_bytes()), np.random.default_rng(seed)
+    with netCDF4.Dataset(file) as opened:
+        assert all(opened[name].filters()["fletcher32"] for name in ("mesh_force", "state", "parameter_value"))
+    wanted = load(file).dataset
+    first = int(generator.integers(60_000, len(data) - 3000))
+    data[first : first + 3000] = bytes(3000)
+    damaged = tmp_path / "damaged.nc"
+    damaged.write_bytes(bytes(data))
+    try:
+        found = load(damaged).dataset
+    except LtcgearError:
+        return
+    assert found.equals(wanted)  # what was overwritten was no data
+
+
+# --- access
+
+
+def test_items_can_be_copied_and_pickled(made):
+    item = made[3].mesh["hsp.sun_planet.1"]
+    for other in (copy.copy(item), copy.deepcopy(item), pickle.loads(pickle.dumps(item))):
+        assert other.force.equals(item.force)
+
+
+def test_paths_may_be_text(made, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made[3].save("a.nc")
+    assert load("a.nc").dataset.equals(made[3].dataset)
+    assert export(load("a.nc"), "a.csv", ["speed"]).stat().st_size > 1e3
+
+
+@pytest.mark.parametrize(
+    "arguments", [("export", "a.csv", "-o", "a.csv"), ("report", "a.html"), ("simulate", "a.nc", "-o", "a.nc")]
+)
+def test_what_is_read_is_not_overwritten(file, refused, tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    source = tmp_path / arguments[1]
+    shutil.copy(file, source)
+    assert "is the file that is read; give another name" in refused(*arguments)
+    assert source.read_bytes() == file.read_bytes()
 
 
 # --- export
