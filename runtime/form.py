@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .attributes import STATISTICS
-from .dataset import LONG_NAMES
+from .quantities import LONG_NAMES
 
 if TYPE_CHECKING:
     import xarray as xr
 
+FORM = 1
+"""Number of the form of result files; it grows when files that a later ltcgear reads are no longer those of before."""
 NUMBER, WHOLE, MAYBE, WORDS = (int, float), (int,), (int, float, type(None)), (str, type(None))
 DISC = {"body": (str,), "x": NUMBER, "y": NUMBER, "radius": NUMBER, "part": (str,), "unit": NUMBER}
 SHAPES: dict[str, Any] = {

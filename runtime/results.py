@@ -13,8 +13,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .attributes import UNFINISHED, read_summary
-from .dataset import FORM
-from .form import find_fault
+from .form import FORM, find_fault
 
 if TYPE_CHECKING:
     import xarray as xr
