@@ -94,11 +94,12 @@ class Table:
         )
         for place, heading in enumerate(self.columns):
             numeric = all(not isinstance(row[place], str) for row in self.rows)
-            # The row's name and cells with lines of their own keep their width; the rest gives way.
+            # Numbers and the row's name keep their width, words give way.
             table.add_column(
                 Text(heading),
                 justify="right" if numeric else "left",
-                no_wrap=not numeric,
+                no_wrap=place == 0,
+                min_width=max((len(_shown(row[place])) for row in self.rows), default=0) if numeric else None,
                 overflow="fold",
             )
         for row in self.rows:
