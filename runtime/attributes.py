@@ -29,33 +29,13 @@ def to_attributes(attributes: Mapping[str, Any] | None, summary: Mapping[str, An
 
 
 def read_summary(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the summary that attributes keep.
-
-    Raises
-    ------
-    ValueError
-        If one is missing, or not what ltcgear writes.
-    """
-    missing = [name for name in ("method", "status", "counts", "warnings", STATISTICS) if name not in attributes]
-    if missing:
-        raise ValueError(f"attribute {missing[0]} is missing")
+    """Return the summary that attributes keep, which ``form`` has found to be what ltcgear writes."""
     kept: dict[str, Any] = {name: attributes[name] for name in PLAIN if name in attributes}
     kept = {name: value.item() if hasattr(value, "item") else value for name, value in kept.items()}
     kept["why"] = None if kept.get("why") == "null" else kept.get("why")
-    structured = {name: _read(attributes, name) for name in (*STRUCTURED, STATISTICS) if name in attributes}
-    forces = structured.pop(STATISTICS, {})
-    return kept | structured | {FORCES: {mesh: _numbers(one) for mesh, one in forces.items()}}
-
-
-def _read(attributes: Mapping[str, Any], name: str) -> Any:  # noqa: ANN401
-    """Read one attribute as JSON."""
-    try:
-        value = json.loads(attributes[name])
-    except (TypeError, ValueError) as error:
-        raise ValueError(f"attribute {name} is no JSON") from error
-    if not isinstance(value, list if name == "warnings" else dict):
-        raise ValueError(f"attribute {name} is {type(value).__name__}")
-    return value
+    kept |= {name: json.loads(attributes[name]) for name in STRUCTURED if name in attributes}
+    forces = json.loads(attributes[STATISTICS])
+    return kept | {FORCES: {mesh: _numbers(one) for mesh, one in forces.items()}}
 
 
 def _numbers(one: Mapping[str, float | None]) -> dict[str, float]:

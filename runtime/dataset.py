@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .extremes import MeshExtremes
+from .form import FORM
 from .library import Library
+from .quantities import LONG_NAMES
 from .reading import Rows, by_quantity
 from .sheet import lay_out
 
@@ -16,40 +18,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Vector = NDArray[np.float64]
-
-FORM = 1
-"""Number of the form of result files; it grows when files that a later ltcgear reads are no longer those of before."""
-LONG_NAMES = {
-    "mesh_force": "normal mesh force",
-    "mesh_deflection": "mesh deflection along the line of action",
-    "mesh_contact": "whether the flanks touch, 0 or 1",
-    "mesh_phase": "mesh phase: teeth of gear 1 past the line of centres",
-    "mesh_level": "mesh level, 0 single and 1 double contact",
-    "mesh_friction": "tangential mesh force",
-    "pressure_angle": "operating pressure angle",
-    "pin_force_x": "planet bearing force, x",
-    "pin_force_y": "planet bearing force, y",
-    "pin_friction_torque": "planet bearing friction torque",
-    "bearing_force_x": "bearing force, x",
-    "bearing_force_y": "bearing force, y",
-    "coupling_torque": "torque in the coupling",
-    "support_torque": "torque in the torsional support",
-    "acceleration_x": "acceleration of the centre, x",
-    "acceleration_y": "acceleration of the centre, y",
-    "velocity_x": "velocity of the centre, x",
-    "velocity_y": "velocity of the centre, y",
-    "displacement_x": "displacement of the centre in its stage's frame, x",
-    "displacement_y": "displacement of the centre in its stage's frame, y",
-    "speed": "rotational speed",
-    "twist": "angle against the rigid motion",
-    "angular_acceleration": "angular acceleration",
-    "drive_torque": "torque of the drive that holds the speed",
-    "load_torque": "torque of the load on its member",
-    "reference_angle": "angle of the reference, whole turns included",
-    "steps": "steps of the integrator so far",
-    "speed_ratio": "rigid speed over that of the reference",
-    "parameter_value": "value of the parameter",
-}
 
 
 def make_dataset(library: Library, p: Vector, rows: Rows, extremes: MeshExtremes | None = None) -> "xr.Dataset":

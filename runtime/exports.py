@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Columns = dict[str, "xr.DataArray"]
 
 
-def export(result: Result, path: Path, wanted: list[str] | None = None) -> Path:
+def export(result: Result, path: str | Path, wanted: list[str] | None = None) -> Path:
     """Write quantities over time to a file of another form; it appears whole or not at all.
 
     Parameters
@@ -35,16 +35,17 @@ def export(result: Result, path: Path, wanted: list[str] | None = None) -> Path:
     LtcgearError
         If the form or an output is not known, or the file cannot be written.
     """
+    path = Path(path)
     check_export(path)
     WRITERS[path.suffix](_select(result.dataset, wanted), result.dataset, path)
     return path
 
 
-def check_export(path: Path) -> None:
-    """Refuse a file that cannot be written, or of another form."""
+def check_export(path: Path, source: Path | None = None) -> None:
+    """Refuse a file that cannot be written, of another form, or that is the source itself."""
     if path.suffix not in WRITERS:
         raise LtcgearError(f"{path}: must end with {' or '.join(WRITERS)}; the NetCDF file itself opens in xarray")
-    check_target(path)
+    check_target(path, source)
 
 
 def _select(dataset: "xr.Dataset", wanted: list[str] | None) -> Columns:

@@ -19,6 +19,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
+from .results import has_sum
 from .statistics import BLOCK, ForceSums
 
 if TYPE_CHECKING:
@@ -148,7 +149,8 @@ class Part:
             with _writing(self.target):
                 fixed = heading.drop_dims("time")
                 fixed.encoding = {}
-                fixed.to_netcdf(draft, engine="netcdf4")
+                summed = {name: {"fletcher32": True} for name, data in fixed.variables.items() if has_sum(data)}
+                fixed.to_netcdf(draft, engine="netcdf4", encoding=summed)
                 with netCDF4.Dataset(draft, "a") as result:
                     result.createDimension("time", self.rows)
                     self._copy(heading, result)
@@ -163,7 +165,9 @@ class Part:
         for name in self.record.names or ():
             source = heading[name]
             options: dict[str, Any] = {"fill_value": np.nan} if source.dtype.kind == "f" else {}
-            copied = result.createVariable(name, source.dtype, source.dims, contiguous=True, **options)
+            if self.rows:
+                options |= {"fletcher32": True, "chunksizes": (min(BLOCK, self.rows), *source.shape[1:])}
+            copied = result.createVariable(name, source.dtype, source.dims, **options)
             copied.setncatts(source.attrs)
             copied.set_auto_mask(False)
             copies[name] = copied

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .comparison import PRINTED_FORCE, carrier_rotations, named_lines, position_spectrum, published
+from .results import written_whole
 from .statistics import group_of, mesh_frequencies, pressure_angles, steady_start, window
 
 if TYPE_CHECKING:
@@ -140,8 +141,8 @@ def save_figure(figure: Figure, path: Path) -> Path:
     from matplotlib import rc_context
 
     meta = {"Date": None} if path.suffix == ".svg" else {"CreationDate": None} if path.suffix == ".pdf" else {}
-    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "ltcgear"}):
-        figure.savefig(path, dpi=150, metadata=meta)
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": "ltcgear"}), written_whole(path) as draft:
+        figure.savefig(draft, dpi=150, metadata=meta)
     return path
 
 

@@ -50,7 +50,7 @@ def check_resumable(target: Path) -> None:
 def record(
     library: Library,
     values: Mapping[str, float],
-    target: Path,
+    target: str | Path,
     *,
     t_end: float,
     rate: float,
@@ -90,6 +90,7 @@ def record(
     LtcgearError
         If a file cannot be written, or the checkpoint is missing, damaged or of another run.
     """
+    target = Path(target)
     check_options(method, rtol, t_end)
     check_length(t_end * rate)
     check_target(target)

@@ -9,10 +9,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .attributes import UNFINISHED, read_summary
-from .dataset import FORM
+from .form import FORM, find_fault
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +34,8 @@ class Item:
         self._name, self._quantities = name, quantities
 
     def __getattr__(self, name: str) -> "xr.DataArray":
+        if name.startswith("_"):  # asked for by copy and pickle before there are any quantities
+            raise AttributeError(name)
         if name not in self._quantities:
             raise AttributeError(f"{self._name} has no {name!r}; it has {', '.join(self._quantities)}")
         return self._quantities[name]
@@ -131,13 +134,15 @@ class Result:
         names, values = self.dataset["parameter"].values, self.dataset["parameter_value"].values
         return dict(zip(map(str, names), values.tolist(), strict=True))
 
-    def save(self, path: Path) -> None:
+    def save(self, path: str | Path) -> None:
         """Write a NetCDF4 file, which ``load`` and plain xarray read."""
-        save(self.dataset, path)
+        save(self.dataset, Path(path))
 
 
-def check_target(path: Path) -> None:
-    """Refuse a result path that cannot be written, before anything is computed."""
+def check_target(path: Path, source: Path | None = None) -> None:
+    """Refuse a result path that cannot be written, before anything is computed, or that is the file which is read."""
+    if source is not None and path.exists() and source.exists() and path.samefile(source):
+        raise LtcgearError(f"{path}: is the file that is read; give another name")
     folder = path.resolve().parent
     if not folder.is_dir():
         raise LtcgearError(f"{path}: the folder {folder} does not exist; make it first")
@@ -188,11 +193,17 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     LtcgearError
         If the folder is missing or cannot be written.
     """
+    summed = {name: {"fletcher32": True} for name, data in dataset.variables.items() if has_sum(data)}
     with written_whole(path) as draft:
-        dataset.to_netcdf(draft, engine="netcdf4")
+        dataset.to_netcdf(draft, engine="netcdf4", encoding=summed)
 
 
-def load(path: Path) -> Result:
+def has_sum(data: "xr.Variable") -> bool:
+    """Say whether a variable gets a check sum (Fletcher's), so that damage of it is seen when it is read."""
+    return data.ndim > 0 and data.size > 0 and data.dtype.kind in "fiu"
+
+
+def load(path: str | Path) -> Result:
     """Read a result file into memory.
 
     Raises
@@ -202,6 +213,7 @@ def load(path: Path) -> Result:
     """
     import xarray as xr
 
+    path = Path(path)
     if not path.is_file():
         raise LtcgearError(f"{path}: no such result file; `ltcgear simulate SCENE -o {path}` writes one")
     try:
@@ -210,7 +222,7 @@ def load(path: Path) -> Result:
     except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF4 file ({error}); simulate again") from error
     _check_form(path, dataset)
-    return Result(dataset, _summary(path, dataset))
+    return Result(dataset, read_summary(dataset.attrs))
 
 
 def _check_form(path: Path, dataset: "xr.Dataset") -> None:
@@ -220,21 +232,13 @@ def _check_form(path: Path, dataset: "xr.Dataset") -> None:
         raise LtcgearError(f"{path}: not a result of ltcgear; give a file that `ltcgear simulate -o` wrote")
     if str(dataset.attrs.get("status", "")).startswith(UNFINISHED):
         raise LtcgearError(f"{path}: the part of a run that is not finished; --resume goes on with it")
+    if not isinstance(form, (int, np.integer)):
+        raise LtcgearError(f"{path}: damaged: attribute result_format is no whole number; simulate again")
     if form != FORM:
-        age = "older" if not isinstance(form, str) and form < FORM else "newer"
         raise LtcgearError(
-            f"{path}: has form {form}, of ltcgear {version}, {age} than form {FORM}, which this one reads; "
-            "simulate again, or read it with xarray"
+            f"{path}: has form {form}, of ltcgear {version}, {'older' if form < FORM else 'newer'} than form {FORM}, "
+            "which this one reads; simulate again, or read it with xarray"
         )
-    needed = ("time", "state", "reference_angle", "parameter_value")
-    missing = [name for name in needed if name not in dataset.variables]
-    if missing:
-        raise LtcgearError(f"{path}: damaged: {', '.join(missing)} missing; simulate again")
-
-
-def _summary(path: Path, dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return the summary that a file keeps."""
-    try:
-        return read_summary(dataset.attrs)
-    except ValueError as error:
-        raise LtcgearError(f"{path}: damaged: {error}; simulate again") from error
+    fault = find_fault(dataset)
+    if fault:
+        raise LtcgearError(f"{path}: damaged: {fault}; simulate again")

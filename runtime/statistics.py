@@ -156,7 +156,7 @@ class ForceSums:
         lows, highs = np.fmin(self.low, lowest), np.fmax(self.high, highest)
         found = {}
         for k, mesh in enumerate(meshes):
-            mean, low, high = float(means[k]), float(lows[k]), float(highs[k])
+            mean, low, high = (float(values[k]) + 0.0 for values in (means, lows, highs))  # no -0
             peak = high if mean >= 0.0 else low
             found[mesh] = {
                 "mean": mean,

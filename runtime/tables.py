@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from rich.console import Console, RenderableType
+    from rich.console import Console, ConsoleOptions, RenderResult
 
 Cell = str | int | float | None
+KEPT, GAP = 12, 3
+"""Width up to which a column of words is not broken; space between columns."""
 
 
 @dataclass(frozen=True)
@@ -76,9 +78,8 @@ class Table:
             writer.writerows([_plain(cell) for cell in row] for row in self.rows)
         return path
 
-    def __rich__(self) -> RenderableType:
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         from rich.box import SIMPLE_HEAD
-        from rich.console import Group
         from rich.table import Table as RichTable
         from rich.text import Text
 
@@ -92,18 +93,27 @@ class Table:
             show_lines=any(broken),
             pad_edge=False,
         )
+        widths = [self._width(place) for place in range(len(self.columns))]
+        whole = sum(map(max, widths, map(len, self.columns))) + GAP * (len(widths) - 1)
         for place, heading in enumerate(self.columns):
             numeric = all(not isinstance(row[place], str) for row in self.rows)
-            # The row's name and cells with lines of their own keep their width; the rest gives way.
+            # Where room is short numbers keep theirs, below headings that break; of words, long ones give way.
+            short = max([widths[place], *map(len, heading.split())])
             table.add_column(
                 Text(heading),
                 justify="right" if numeric else "left",
-                no_wrap=not numeric,
+                width=short if numeric and whole > options.max_width else None,
+                no_wrap=not numeric and (place == 0 or broken[place] or short <= KEPT),
                 overflow="fold",
             )
         for row in self.rows:
             table.add_row(*(Text(_shown(cell)) for cell in row))
-        return Group(table, *(Text(f"- {note}") for note in self.notes))
+        yield table
+        yield from (Text(f"- {note}") for note in self.notes)
+
+    def _width(self, place: int) -> int:
+        """Width of a column's widest line, its heading left out."""
+        return max((len(line) for row in self.rows for line in _shown(row[place]).split("\n")), default=0)
 
     def print(self, console: Console | None = None) -> None:
         """Print to a console, by default standard output."""

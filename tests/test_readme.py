@@ -38,7 +38,7 @@ def commands(page):
 def started(command, folder):
     """Start a command line in a folder; it must succeed."""
     program = Path(sys.executable).with_name("ltcgear")
-    done = subprocess.run([program, *command[1:]], cwd=folder, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run([program, *command[1:]], cwd=folder, capture_output=True, text=True, check=False, timeout=180)
     assert done.returncode == 0, done.stderr
 
 
@@ -52,7 +52,7 @@ def test_scenes_load(text, tmp_path):
 @pytest.mark.parametrize("text", every("python"))
 def test_python_runs(text, tmp_path):
     done = subprocess.run(
-        [sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60
+        [sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=180
     )
     assert done.returncode == 0, done.stderr
 
@@ -84,7 +84,7 @@ def test_the_scene_of_the_readme_simulates(tmp_path):
     for command in (["info"], ["simulate", "--t-end", "0.02"]):
         done = subprocess.run(
             [program, command[0], "hoist.toml", *command[1:]],
-            cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60,
+            cwd=tmp_path, capture_output=True, text=True, check=False, timeout=180,
         )  # fmt: skip
         assert (done.returncode, done.stderr) == (0, "")
 

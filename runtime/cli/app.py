@@ -50,6 +50,6 @@ def main() -> None:
         error.show()
         code = error.exit_code
     except (KeyboardInterrupt, typer.Abort):
-        print("ltcgear: stopped; nothing half-written was left", file=sys.stderr)
+        print("ltcgear: stopped; no file is half-written", file=sys.stderr)
         code = INTERRUPTED
     sys.exit(code)

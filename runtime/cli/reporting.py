@@ -34,10 +34,10 @@ def report(
     """Write a result as one page of HTML: stages in motion, figures, tables, the scene. It needs no network."""
     from ..report.page import check_templates, write_report
 
-    target = file.with_suffix(".html") if output is None else output
+    target = file.parent / f"{file.stem}.html" if output is None else output
+    check_target(target, file)
     if target.suffix not in (".html", ".htm"):
         raise LtcgearError(f"{target}: a report is a page of HTML; name it {target.with_suffix('.html')}")
-    check_target(target)
     check_templates()
     result = load_result(file)
     write_report(result, target, find_background(result, modes), at)

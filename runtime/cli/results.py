@@ -14,7 +14,7 @@ def export(file: ResultPath, output: ExportFile, outputs: Outputs = None, as_jso
     from ..exports import export as export_result
     from ..results import load
 
-    check_export(output)
+    check_export(output, file)
     export_result(load(file), output, outputs)
     data: dict[str, Any] = {"files": [str(output)]}
     present.show(as_json, data, lambda shown: print(f"wrote {output}"))

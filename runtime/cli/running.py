@@ -62,7 +62,7 @@ def finished(summary: dict[str, Any]) -> None:
         raise (InterruptedRunError if status.startswith("interrupted") else SolverError)(status)
 
 
-def _check_result(output: Path | None, resume: bool) -> None:
+def _check_result(scene: str, output: Path | None, resume: bool) -> None:
     """Refuse a result file that cannot be written or gone on with, before anything is computed."""
     from ..checkpoint import checkpoint_of
     from ..part import part_of
@@ -73,7 +73,7 @@ def _check_result(output: Path | None, resume: bool) -> None:
         if resume:
             raise LtcgearError("--resume: say which result is to go on, -o FILE.nc")
         return
-    check_target(output)
+    check_target(output, Path(scene))
     if output.suffix != ".nc":
         raise LtcgearError(f"{output}: results are NetCDF4 files; name it {output.with_suffix('.nc')}")
     if resume:
@@ -104,7 +104,7 @@ def run(
     from ..simulation import simulate as simulate_model
 
     check_options(method, rtol, t_end)
-    _check_result(output, resume)
+    _check_result(scene, output, resume)
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end

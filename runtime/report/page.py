@@ -111,7 +111,8 @@ def check_templates() -> None:
 
 def _numbers(dataset: xr.Dataset) -> tuple[xr.Dataset, str]:
     """Return the record up to where a run broke down and left what is no number, and what is said of that."""
-    tables = [dataset[name].transpose("time", ...).values for name in ("state", "mesh_force") if name in dataset]
+    moving = [data.transpose("time", ...).values for data in dataset.data_vars.values() if "time" in data.dims]
+    tables = [values.reshape(len(values), -1) for values in moving]
     bad = np.flatnonzero(~np.logical_and.reduce([np.isfinite(table).all(axis=1) for table in tables]))
     if not bad.size:
         return dataset, ""
@@ -130,8 +131,11 @@ def _check(dataset: xr.Dataset, at: float | None) -> None:
 
 def _motion(dataset: xr.Dataset) -> tuple[Track, list[Panel]]:
     """Return what moves, and the stages it moves in."""
-    panels = make_panels(dataset)
-    return make_track(dataset), panels
+    try:
+        panels = make_panels(dataset)
+        return make_track(dataset), panels
+    except (KeyError, IndexError) as error:
+        raise LtcgearError(f"the result's drawing does not fit its data: {error} is missing; simulate again") from error
 
 
 def _pace(window: Window, track: Track) -> float:

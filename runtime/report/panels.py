@@ -1,12 +1,10 @@
 """Panels: the stages as they are drawn, wheels at their places and meshes with their lines of action."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import acos, atan2, cos, hypot, isfinite, pi, sin
 from typing import TYPE_CHECKING, Any
-
-from ltcgear.generated.errors import LtcgearError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,19 +114,14 @@ def make_panels(dataset: "xr.Dataset") -> list[Panel]:
     -------
     list of Panel
         In the order of the sheet: stages, and the rotors between them.
-
-    Raises
-    ------
-    LtcgearError
-        If the sheet is missing or not what ltcgear writes.
     """
-    titles, discs = _read_sheet(dataset.attrs)
+    sheet = json.loads(dataset.attrs["sheet"])
     number, alpha = Numbers.of(dataset), _pressure_angles(dataset)
     meshes = [str(name) for name in dataset["mesh"].values] if "mesh_force" in dataset else []
     rotors = {str(name) for name in dataset["rotor"].values} if "rotor" in dataset.dims else set()
     panels = []
-    for title in titles:
-        wheels = _wheels(title, discs)
+    for title, _ in sheet["titles"]:
+        wheels = _wheels(title, sheet["discs"])
         if not wheels:
             continue
         contacts = [_contact(name, wheels, number, alpha) for name in meshes if name.split(".")[0] == title]
@@ -136,23 +129,6 @@ def make_panels(dataset: "xr.Dataset") -> list[Panel]:
         panel = Panel(title, frame if frame in rotors else "", tuple(wheels.values()), tuple(contacts))
         panels.append(_engage(panel, number, start_angles(dataset)))
     return panels
-
-
-def _read_sheet(attributes: Mapping[str, Any]) -> tuple[list[str], list[dict[str, Any]]]:
-    """Return the titles of the stages, and the discs, from the attributes of a result."""
-    try:
-        sheet = json.loads(attributes["sheet"])
-        titles = [str(title) for title, _ in sheet["titles"]]
-        discs: list[dict[str, Any]] = [
-            {"body": str(disc["body"]), "part": str(disc["part"])}
-            | {key: float(disc[key]) for key in ("x", "y", "radius")}
-            for disc in sheet["discs"]
-        ]
-    except (KeyError, TypeError, ValueError) as error:
-        raise LtcgearError("damaged: the attribute sheet is not what ltcgear writes; simulate again") from error
-    if not all(isfinite(disc[key]) for disc in discs for key in ("x", "y", "radius")):
-        raise LtcgearError("damaged: the attribute sheet holds numbers that are not finite; simulate again")
-    return titles, discs
 
 
 def start_angles(dataset: "xr.Dataset") -> dict[str, float]:

@@ -9,11 +9,16 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+LONGEST = 200_000
+"""Characters of a scene's text that are shown."""
+
+
 def list_scene(attributes: Mapping[str, Any], sources: Mapping[str, str]) -> dict[str, Any]:
     """Return a scene's lines with their kinds, changes on the command line, and sources by number."""
     text = str(attributes.get("scene_text", ""))
+    lines = text[:LONGEST].splitlines() + [f"# ... {len(text) - LONGEST} characters more"] * (len(text) > LONGEST)
     return {
-        "lines": [(_kind(line), line) for line in text.splitlines()],
+        "lines": [(_kind(line), line) for line in lines],
         "changes": json.loads(attributes.get("changes") or "{}"),
         "sources": [_split(key, source) for key, source in sources.items()],
     }

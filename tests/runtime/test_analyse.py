@@ -353,6 +353,12 @@ def test_what_cannot_be_is_refused(refused, file, options, message):
     assert message in refused("analyse", file, "--no-modes", *options)
 
 
+@pytest.mark.parametrize("quantity", ["displacement", "bearing_force", "pin_force", "acceleration"])
+def test_files_that_lack_an_axis_are_refused(refused, rig, tmp_path, quantity):
+    rig.dataset.isel(time=slice(0, 128)).drop_vars(f"{quantity}_y").to_netcdf(tmp_path / "half.nc")
+    assert f"damaged: {quantity}_y missing" in refused("analyse", tmp_path / "half.nc", "--no-modes")
+
+
 def test_files_that_are_no_results_are_refused(refused, tmp_path):
     assert "no such result file" in refused("analyse", tmp_path / "none.nc")
     (tmp_path / "text.nc").write_text("no")

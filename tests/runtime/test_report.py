@@ -241,18 +241,6 @@ def test_what_is_no_result_is_refused_with_the_reason(refused, psh, tmp_path):
     assert not list(tmp_path.glob(".draft*"))
 
 
-@pytest.mark.parametrize(
-    "sheet",
-    [None, 7, "no JSON", "[]", "{}", '{"titles": [["psh", 1]], "discs": [{"body": "psh.input"}]}',
-     '{"titles": [], "discs": [{"body": "a", "part": "sun", "x": NaN, "y": 0, "radius": 1}]}'],
-)  # fmt: skip
-def test_a_damaged_sheet_is_refused(refused, psh, tmp_path, sheet):
-    file = shutil.copy(psh[0], tmp_path / "damaged.nc")
-    with netCDF4.Dataset(file, "a") as opened:
-        opened.delncattr("sheet") if sheet is None else opened.setncattr("sheet", sheet)
-    assert "damaged: the attribute sheet" in refused("report", file)
-
-
 def test_an_older_page_outlives_a_refusal(refused, psh, tmp_path):
     page = tmp_path / "page.html"
     page.write_text("kept", "utf-8")

@@ -1,7 +1,9 @@
 """Results: named access, files, and files that are none."""
 
 import contextlib
+import copy
 import json
+import pickle
 import shutil
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import xarray as xr
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import build, load, simulate
 from ltcgear.runtime.ensemble import simulate_many
+from ltcgear.runtime.exports import export
 from ltcgear.symbolic import build_model, describe_scene, load_scene, restore_scene
 from ltcgear.symbolic.pipeline import obtain
 from scipy.io import loadmat
@@ -177,7 +180,7 @@ def test_foreign_files_are_refused(tmp_path):
     assert "not a readable NetCDF4 file" in refusal(text)
 
 
-@pytest.mark.parametrize(("form", "word"), [(None, "older"), (0, "older"), (99, "newer"), ("1.0", "newer")])
+@pytest.mark.parametrize(("form", "word"), [(None, "older"), (0, "older"), (99, "newer")])
 def test_other_forms_are_refused(file, tmp_path, form, word):
     def change(opened):
         opened.delncattr("result_format")
@@ -187,18 +190,121 @@ def test_other_forms_are_refused(file, tmp_path, form, word):
     assert f"{word} than form 1" in refusal(changed(file, tmp_path, change))
 
 
-@pytest.mark.parametrize("name", ["counts", "method", "statistics", "warnings"])
-def test_attributes_that_are_damaged_are_told(file, tmp_path, name):
+def test_forms_that_are_no_number_are_told(file, tmp_path):
+    for form in ("1", [1, 1], 1.5):
+        told = refusal(changed(file, tmp_path, lambda opened, form=form: opened.setncattr("result_format", form)))
+        assert "damaged: attribute result_format is no whole number" in told
+
+
+@pytest.mark.parametrize("name", ["counts", "method", "statistics", "warnings", "sheet"])
+def test_attributes_that_are_missing_are_told(file, tmp_path, name):
     told = refusal(changed(file, tmp_path, lambda opened: opened.delncattr(name)))
     assert f"damaged: attribute {name} is missing" in told
-    broken = changed(file, tmp_path, lambda opened: opened.setncattr(name, "[1"))
-    if name != "method":
-        assert f"attribute {name} is no JSON" in refusal(broken)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("counts", "{", "is no JSON"),
+        ("counts", '{"steps": "many"}', "does not hold what it should"),
+        ("counts", '{"steps": true}', "does not hold what it should"),
+        ("statistics", '{"a": {"mean": "x"}}', "does not hold what it should"),
+        ("warnings", '{"a": "b"}', "does not hold what it should"),
+        ("versions", "[]", "does not hold what it should"),
+        ("changes", "[1", "is no JSON"),
+        ("sheet", "3", "does not hold what it should"),
+        ("sheet", '{"discs": [{"body": "a"}], "titles": [], "width": 1, "height": 1}', "does not hold what it should"),
+        ("rtol", "abc", "is no number"),
+        ("simulated_s", [1.0, 2.0], "is no number"),
+        ("title", 3, "is no text"),
+        ("accuracy", '{"meshes": {}, "worst": "a", "reason": null}', "does not hold what it should"),
+        ("scene_json", "[" * 100_000, "is no JSON"),
+        ("scene_json", '{"effects": [1], "sources": {}}', "does not hold what it should"),
+    ],
+)
+def test_attributes_that_are_damaged_are_told(file, tmp_path, name, value, told):
+    assert f"damaged: attribute {name} {told}" in refusal(
+        changed(file, tmp_path, lambda opened: opened.setncattr(name, value))
+    )
 
 
 def test_variables_that_are_missing_are_told(file, tmp_path):
-    told = refusal(changed(file, tmp_path, lambda opened: opened.renameVariable("state", "stated")))
-    assert "damaged: state missing" in told
+    for name in ("state", "speed_ratio", "twist"):
+        told = refusal(changed(file, tmp_path, lambda opened, name=name: opened.renameVariable(name, "stated")))
+        assert f"damaged: {name} missing" in told
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda d: d.isel(time=slice(None, None, -1)), "time does not rise"),
+        (lambda d: d.assign_coords(time=np.zeros(d.sizes["time"])), "time does not rise"),
+        (lambda d: d.assign_coords(time=np.full(d.sizes["time"], np.nan)), "time is not a row of numbers"),
+        (lambda d: d.assign_coords(time=d["time"].values ** 2), "samples are not equally far apart"),
+        (lambda d: d.assign(parameter_value=d["parameter_value"] * np.nan), "parameters are not numbers"),
+        (lambda d: d.drop_vars("mesh"), "the names of mesh are missing"),
+        (lambda d: d.assign(mesh_force=d["mesh_force"].mean("mesh")), "mesh_force has dimensions time"),
+        (lambda d: d.assign_coords(pin=["a"] * d.sizes["pin"]), "names of pin occur twice"),
+        (lambda d: d.assign(steps=("time", ["x"] * d.sizes["time"])), "steps holds no numbers"),
+    ],
+)
+def test_data_that_are_damaged_are_told(made, tmp_path, change, told):
+    path = tmp_path / "changed.nc"
+    change(made[3].dataset).to_netcdf(path)
+    assert f"damaged: {told}" in refusal(path)
+
+
+def test_sums_that_a_failed_run_spoils_are_no_damage(made, tmp_path):
+    """A run that broke down may hold samples that are not finite; they are read."""
+    spoilt = made[3].dataset.copy(deep=True)
+    spoilt["mesh_force"][-3:] = np.nan
+    spoilt.to_netcdf(tmp_path / "a.nc")
+    assert np.isnan(load(tmp_path / "a.nc").dataset["mesh_force"].values[-1]).all()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_data_that_were_overwritten_are_noticed(file, tmp_path, seed):
+    """Every variable has a check sum: 3000 bytes set to zero anywhere in the data are told."""
+    data, generator = bytearray(file.read_bytes()), np.random.default_rng(seed)
+    with netCDF4.Dataset(file) as opened:
+        assert all(opened[name].filters()["fletcher32"] for name in ("mesh_force", "state", "parameter_value"))
+    wanted = load(file).dataset
+    first = int(generator.integers(60_000, len(data) - 3000))
+    data[first : first + 3000] = bytes(3000)
+    damaged = tmp_path / "damaged.nc"
+    damaged.write_bytes(bytes(data))
+    try:
+        found = load(damaged).dataset
+    except LtcgearError:
+        return
+    assert found.equals(wanted)  # what was overwritten was no data
+
+
+# --- access
+
+
+def test_items_can_be_copied_and_pickled(made):
+    item = made[3].mesh["hsp.sun_planet.1"]
+    for other in (copy.copy(item), copy.deepcopy(item), pickle.loads(pickle.dumps(item))):
+        assert other.force.equals(item.force)
+
+
+def test_paths_may_be_text(made, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    made[3].save("a.nc")
+    assert load("a.nc").dataset.equals(made[3].dataset)
+    assert export(load("a.nc"), "a.csv", ["speed"]).stat().st_size > 1e3
+
+
+@pytest.mark.parametrize(
+    "arguments", [("export", "a.csv", "-o", "a.csv"), ("report", "a.html"), ("simulate", "a.nc", "-o", "a.nc")]
+)
+def test_what_is_read_is_not_overwritten(file, refused, tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    source = tmp_path / arguments[1]
+    shutil.copy(file, source)
+    assert "is the file that is read; give another name" in refused(*arguments)
+    assert source.read_bytes() == file.read_bytes()
 
 
 # --- export
