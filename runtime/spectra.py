@@ -171,6 +171,7 @@ def explain_line(
     rotations: Mapping[str, float] | None = None,
     shafts: Mapping[str, float] | None = None,
     modes: Mapping[str, tuple[float, float]] | None = None,
+    highest: int = HARMONICS,
 ) -> tuple[str, str]:
     """Explain a line by the mesh frequencies, rotations and modes that are there.
 
@@ -196,6 +197,8 @@ def explain_line(
     modes
         Eigenfrequency and half of the half-power bandwidth [Hz], by name; a mode that is
         broader than the tolerance matches as far as its bandwidth goes.
+    highest
+        Highest order that is considered, of a harmonic and of either part of a sideband.
 
     Returns
     -------
@@ -206,9 +209,9 @@ def explain_line(
     carriers = {name: value for name, value in (rotations or {}).items() if value > 0.0}
     others = {name: value for name, value in (shafts or {}).items() if value > 0.0}
     tiers = (
-        ("harmonic", list(_harmonics(turning))),
-        ("sideband", [*_sidebands(turning, carriers), *_sidebands(turning, turning)]),
-        ("shaft", [*_turns(others), *_sidebands(turning, others)]),
+        ("harmonic", list(_harmonics(turning, highest))),
+        ("sideband", [*_sidebands(turning, carriers, highest), *_sidebands(turning, turning, highest)]),
+        ("shaft", [*_turns(others, highest), *_sidebands(turning, others, highest)]),
     )
     for kind, candidates in tiers:
         matches = [
@@ -227,9 +230,10 @@ def name_line(
     mesh_frequencies: Mapping[str, float],
     tolerance_hz: float,
     rotations: Mapping[str, float] | None = None,
+    highest: int = HARMONICS,
 ) -> str:
     """Return the name by which `explain_line` knows a line, "" for one that nothing explains."""
-    return explain_line(frequency_hz, mesh_frequencies, tolerance_hz, rotations)[1]
+    return explain_line(frequency_hz, mesh_frequencies, tolerance_hz, rotations, highest=highest)[1]
 
 
 def nearest_mode(frequency_hz: float, tolerance_hz: float, modes: Mapping[str, tuple[float, float]]) -> str:
@@ -242,29 +246,31 @@ def nearest_mode(frequency_hz: float, tolerance_hz: float, modes: Mapping[str, t
     return min(near)[1] if near else ""
 
 
-def _harmonics(meshes: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+def _harmonics(meshes: Mapping[str, float], highest: int) -> Iterator[tuple[int, float, str]]:
     """Yield order, frequency [Hz] and name of every harmonic considered."""
     for name, value in meshes.items():
-        for order in range(1, HARMONICS + 1):
+        for order in range(1, min(HARMONICS, highest) + 1):
             yield order, order * value, f"{order} {name}"
 
 
-def _turns(shafts: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+def _turns(shafts: Mapping[str, float], highest: int) -> Iterator[tuple[int, float, str]]:
     """Yield order, frequency [Hz] and name of the turns of shafts and their low harmonics."""
     for name, value in shafts.items():
-        for order in range(1, SIDE_ORDERS + 1):
+        for order in range(1, min(SIDE_ORDERS, highest) + 1):
             yield order, order * value, f"{order} {name}"
 
 
-def _sidebands(meshes: Mapping[str, float], sides: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+def _sidebands(
+    meshes: Mapping[str, float], sides: Mapping[str, float], highest: int
+) -> Iterator[tuple[int, float, str]]:
     """Yield sum of orders, frequency [Hz] and name of every sideband considered."""
     for carrier, centre in meshes.items():
         for side, distance in sides.items():
             foreign = "." in side and side.split(".")[0] != carrier  # a carrier turns its own stage's meshes
             if distance >= centre or foreign:
                 continue
-            for order in range(1, CARRIER_ORDERS + 1):
+            for order in range(1, min(CARRIER_ORDERS, highest) + 1):
                 middle = carrier if order == 1 else f"{order} {carrier}"
-                for step in range(1, SIDE_ORDERS + 1):
+                for step in range(1, min(SIDE_ORDERS, highest) + 1):
                     yield order + step, order * centre + step * distance, f"{middle} + {step} {side}"
                     yield order + step, order * centre - step * distance, f"{middle} - {step} {side}"
