@@ -174,7 +174,7 @@ def test_the_page_tells_what_is_printed_predicted_and_fitted(page):
     reader = Reader()
     reader.feed(page[0])
     words = " ".join(" ".join(reader.words).split())
-    for expected in ("3.34 ± 0.39", "1.134", "638.82", "59.2", "413.2", "14 lsp", "unexplained", "Table 1"):
+    for expected in ("3.34 ± 0.39", "1.134", "638.82", "59.2", "413.2", "3 hsp - 2 lsp or 14 lsp", "unexplained", "Table 1"):
         assert expected in words, expected
     for item in fitted()["unknowns"][1:]:
         assert item["name"] in words
@@ -186,6 +186,28 @@ def test_names_that_are_html_are_shown_as_text(page):
     assert "<script>alert" not in page[0]
     assert "title=&lt;i&gt;x&lt;/i&gt;" in page[0]
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; more" in page[0]
+
+
+def test_the_step_ends_at_the_load_of_the_scene():
+    """Half the load in steady running, half of the forces after the step as well: their ratio stays."""
+    from ltcgear.runtime.cli import reproducing
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reproducing, "STEP_END", 0.8)
+        whole, half = (
+            reproducing._transient(changes)["mesh_force"].sel(mesh="lsp.sun_planet.1").values
+            for changes in (None, ["loads.generator.torque=-5.3e3 N*m"])
+        )
+    assert abs(half[-200:].mean()) == pytest.approx(0.5 * abs(whole[-200:].mean()), rel=0.05)
+    assert abs(half[:200].mean()) == pytest.approx(0.5 * abs(whole[:200].mean()), rel=0.05)
+
+
+def test_a_load_without_torque_has_no_step(refused, tmp_path):
+    load = "loads.generator={ member = 'generator', torque_over_time = [['0 s', '0 N*m'], ['1 s', '-1e4 N*m']] }"
+    text = refused("paper", "-o", tmp_path, "--set", load)
+    assert "loads.generator" in text
+    assert "--quick" in text
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_without_jinja2_the_command_says_what_to_install(refused, monkeypatch, tmp_path):

@@ -12,7 +12,7 @@ from ..options import SHORTEST_PAPER, AsJson, Changes, Method, PaperEnd, ResultF
 from . import running
 from .app import app
 from .linear import open_linear
-from .opening import compile_model, open_scene
+from .opening import compile_model, open_scene, split_changes
 
 if TYPE_CHECKING:
     from ..linear.modes import Mode
@@ -24,7 +24,7 @@ Quick = Annotated[
 ]
 RIGS = {"assumed": "rig-2mw", "fitted": "rig-2mw-fitted"}
 FLOATING = {"sun floats": "floating-on", "sun on a stiff bearing": "floating-off"}
-STEP, STEP_END, HALF, WHOLE = 0.5, 2.5, "-5.3e3 N*m", "-1.06e4 N*m"
+STEP, STEP_END = 0.5, 2.5
 
 
 @app.command()
@@ -46,6 +46,7 @@ def paper(
         raise LtcgearError(f"--t-end {t_end:g}: the paper's tables need {SHORTEST_PAPER} s at least")
     if not quick:
         check_page()
+        _full_torque(changes)
     make_folder(output)
     rigs = {"assumed": RIGS["assumed"]} if quick else RIGS
     summaries, results = {}, {}
@@ -92,11 +93,26 @@ def _linear(scene: str, changes: list[str] | None) -> tuple["Linear", list["Mode
     return linear, describe_modes(linear, find_modes(linear))
 
 
+def _full_torque(changes: list[str] | None) -> float:
+    """Return the generator's torque in the scene [N m], the end of the page's step."""
+    from ltcgear.symbolic.scene import load_scene
+
+    torque = load_scene(RIGS["assumed"], split_changes(changes)).loads["generator"].torque
+    if torque is None:
+        raise LtcgearError(
+            "loads.generator: gives no torque, and the page steps it from a half to the whole; give torque, "
+            "or take --quick, which has no page"
+        )
+    return torque
+
+
 def _transient(changes: list[str] | None) -> Any:  # noqa: ANN401
     """Simulate the rig while its load steps from a half to the whole; return the data."""
-    rows = [["0 s", HALF], [f"{STEP} s", HALF], [f"{STEP + 1e-3} s", WHOLE], [f"{STEP_END} s", WHOLE]]
+    whole = _full_torque(changes)
+    half, full = f"{whole / 2:.12g} N*m", f"{whole:.12g} N*m"
+    rows = [["0 s", half], [f"{STEP} s", half], [f"{STEP + 1e-3} s", full], [f"{STEP_END} s", full]]
     step = f"loads.generator={{ member = 'generator', torque_over_time = {rows} }}"
-    return _simulate("rig-2mw", [*(changes or []), step], STEP_END).dataset
+    return _simulate(RIGS["assumed"], [*(changes or []), step], STEP_END).dataset
 
 
 def _shares(scene: str) -> list[float]:
