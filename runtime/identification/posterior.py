@@ -21,8 +21,8 @@ Vector = NDArray[np.float64]
 Residuals = Callable[[Vector], Vector]
 SECANT = 0.1
 """Half of the distance over which the strengths are taken [standard deviations before]."""
-SHORTER = (1.0, 0.5, 0.25, 0.1, 0.05)
-"""Parts of a Gauss-Newton step that are tried."""
+SHORTER = (1.0, 0.4, 0.15, 0.05)
+"""Parts of a step that are tried."""
 FIRST, HALVINGS = 0.01, 6
 """First step of the walk that looks for a rise [standard deviations before], and halvings between its last two."""
 
@@ -105,9 +105,9 @@ def look_around(residuals: Residuals, z: Vector, low: Vector, high: Vector, step
 
 def polish(
     residuals: Residuals, z: Vector, low: Vector, high: Vector, settle: Callable[[Vector], Vector],
-    most: int = 10, enough: float = 0.01, told: Callable[[float], None] = lambda reached: None,
+    most: int = 6, enough: float = 0.02, told: Callable[[float], None] = lambda reached: None,
 ) -> Vector:  # fmt: skip
-    """Lower the sum by Gauss-Newton steps over secants, the longest part of each that lowers it.
+    """Lower the sum by Gauss-Newton steps over secants, and at kinks, where these fail, along the posterior's axes.
 
     Parameters
     ----------
@@ -116,22 +116,23 @@ def polish(
     settle
         Moves a point to one that can be written: only sums at such points count.
     most, enough
-        Steps at most, and the gain below which no further one is made.
+        Rounds at most, and the gain below which no further one is made.
     told
-        Called with the sum after each step.
+        Called with the sum after each round.
     """
-    best, reached = settle(z), total(residuals, settle(z))
+    best = settle(z)
+    reached = total(residuals, best)
     for _ in range(most):
-        here = look_around(residuals, best, low, high)
+        here, before = look_around(residuals, best, low, high), reached
         whole = -here.covariance @ here.gradient
-        trials = [settle(np.clip(best + part * whole, low, high)) for part in SHORTER]
-        sums = [total(residuals, trial) for trial in trials]
-        found = int(np.argmin(sums))
-        gain = reached - sums[found]
-        if gain > 0:
-            best, reached = trials[found], sums[found]
+        widths, axes = np.linalg.eigh(here.covariance)
+        for moves in ([whole], *([axis, -axis] for axis in (np.sqrt(widths) * axes).T)):
+            trials = [settle(np.clip(best + part * move, low, high)) for move in moves for part in SHORTER]
+            sums = [total(residuals, trial) for trial in trials]
+            if min(sums) < reached:
+                reached, best = min(sums), trials[int(np.argmin(sums))]
         told(reached)
-        if gain < enough:
+        if before - reached < enough:
             break
     return best
 

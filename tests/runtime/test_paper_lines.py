@@ -56,9 +56,9 @@ def test_distances_are_those_of_what_explains():
 def test_high_orders_explain_nothing_unless_they_are_sharp():
     lone = {"lsp": 29.5}
     assert forced_name(413.2, lone, {}) == ""
-    assert [(line.kind, line.name) for line in explain_lines(lone, {}, [mode(100.0)]) if line.frequency_hz == 413.2] == [
-        ("harmonic", "14 lsp")
-    ]
+    assert [
+        (line.kind, line.name) for line in explain_lines(lone, {}, [mode(100.0)]) if line.frequency_hz == 413.2
+    ] == [("harmonic", "14 lsp")]
     assert forced_name(59.2, MESHES, TURNS) == "2 lsp"
     assert forced_name(156.3, MESHES, TURNS) == "hsp - 1 hsp.carrier"
 
