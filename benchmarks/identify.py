@@ -23,10 +23,10 @@ from ltcgear.runtime.identification.rig import combinations, rig_choices, rig_ta
 from ltcgear.runtime.identification.screening import screen, spread_points
 from ltcgear.runtime.identification.unknowns import Unknown, bounds_of, changes_of
 from ltcgear.runtime.library import Library, build
-from ltcgear.runtime.linear.modes import find_modes
+from ltcgear.runtime.linear.modes import Mode, find_modes
 from ltcgear.runtime.linear.naming import describe_modes
 from ltcgear.runtime.linear.sensitivity import differentiate_modes
-from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.paper.table9 import tell_loads
 from ltcgear.runtime.simulation import simulate
 from ltcgear.runtime.statistics import group_of
@@ -291,9 +291,14 @@ def sum_kept(item: dict[str, Any]) -> float:
 
 def mode_table(data: dict[str, Any]) -> str:
     """Return what the fit says of the lowest modes, in Markdown."""
-    text = "| mode | Hz | sigma before | sigma after | what it is |\n" + "|---" * 5 + "|\n"
+    text = (
+        "| mode | Hz | sigma before | sigma after, linearised | numbers moved alone | what it is |\n"
+        + "|---" * 6
+        + "|\n"
+    )
     for item in data["modes"]:
-        text += f"| {item['mode']} | {item['hz']:.2f} | {item['before']:.2f} | {item['after']:.2f} | {item['name']} |\n"
+        sigmas = f"{item['before']:.2f} | {item['after']:.2f} | {item['alone'][0]:.2f} to {item['alone'][1]:.2f}"
+        text += f"| {item['mode']} | {item['hz']:.2f} | {sigmas} | {item['name']} |\n"
     return text
 
 
@@ -309,18 +314,39 @@ def put(parts: dict[str, str]) -> None:
 def tell_modes(data: dict[str, Any]) -> list[dict[str, Any]]:
     """List the lowest eigenfrequencies with their standard deviations before the fit and after it [Hz]."""
     rig, z = kept_place(data)
-    p, jacobian = rig.parameters(z), np.array([item["strength"] for item in data["unknowns"]]).T
-    linear = linearise(rig.library, p, find_equilibrium(rig.library, p))
-    modes = describe_modes(linear, find_modes(linear))
+    jacobian = np.array([item["strength"] for item in data["unknowns"]]).T
+    linear, modes = find_named(rig, z)
     slopes = parameter_slopes(rig.parameters, z)
     moving = slopes.any(axis=1)
+    swept = np.array(
+        [[mode.frequency_hz for mode in find_named(rig, there)[1][:MODES]] for there in lone_ends(rig, z, data)]
+    )
     found = []
     for item in differentiate_modes(linear, modes, list(range(1, MODES + 1))):
         before, after = spread_of(item.frequency_hz[moving] @ slopes[moving], jacobian)
-        mode = modes[item.number - 1]
+        mode, own = modes[item.number - 1], swept[:, item.number - 1]
         found.append(
-            {"mode": item.number, "hz": mode.frequency_hz, "name": mode.name, "before": before, "after": after}
-        )
+            {"mode": item.number, "hz": mode.frequency_hz, "name": mode.name, "before": before, "after": after,
+             "alone": [float(own.min()), float(own.max())]}
+        )  # fmt: skip
+    return found
+
+
+def find_named(rig: Rig, z: Vector) -> tuple[Linear, list[Mode]]:
+    """Return the linear system at a point and its named modes."""
+    p = rig.parameters(z)
+    linear = linearise(rig.library, p, find_equilibrium(rig.library, p))
+    return linear, describe_modes(linear, find_modes(linear))
+
+
+def lone_ends(rig: Rig, z: Vector, data: dict[str, Any]) -> list[Vector]:
+    """Return the point, and those where one number has moved alone to an end of its range."""
+    found = [z]
+    for k, (unknown, item) in enumerate(zip(rig.unknowns, data["unknowns"], strict=True)):
+        for value in item["alone"]:
+            there = z.copy()
+            there[k] = unknown.place(value)
+            found.append(there)
     return found
 
 
