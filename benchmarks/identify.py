@@ -2,8 +2,9 @@
 
 Run as ``OPENBLAS_NUM_THREADS=1 python -m benchmarks.identify``; it takes half an hour. All combinations of the
 readings that the print leaves open are screened by short runs; from the best points of the best ones, Gauss-Newton
-searches follow with the model's own sensitivities. The result with the smallest sum is kept. ``--tables`` writes scene
-and tables anew from the kept record.
+searches follow with the model's own sensitivities. The result with the smallest sum is kept, rounded as it is written,
+polished over secants, and what is left open is told there. ``--polish`` does the last part anew from the kept record,
+``--tables`` writes scene and tables from it.
 """
 
 import json
@@ -16,15 +17,16 @@ from typing import Any
 import numpy as np
 from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.identification.fitting import Fit, fit, parameter_slopes, spread_of
-from ltcgear.runtime.identification.forecast import Span
+from ltcgear.runtime.identification.forecast import Forecast, Span
+from ltcgear.runtime.identification.posterior import SECANT, Posterior, look_around, move_alone, polish, total
 from ltcgear.runtime.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
 from ltcgear.runtime.identification.screening import screen, spread_points
-from ltcgear.runtime.identification.unknowns import Unknown, changes_of
+from ltcgear.runtime.identification.unknowns import Unknown, bounds_of, changes_of
 from ltcgear.runtime.library import Library, build
-from ltcgear.runtime.linear.modes import find_modes
+from ltcgear.runtime.linear.modes import Mode, find_modes
 from ltcgear.runtime.linear.naming import describe_modes
 from ltcgear.runtime.linear.sensitivity import differentiate_modes
-from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.paper.table9 import tell_loads
 from ltcgear.runtime.simulation import simulate
 from ltcgear.runtime.statistics import group_of
@@ -72,6 +74,16 @@ class Rig:
             for group, items in groups.items()
         }
 
+    def forecast(self, z: Vector) -> Vector:
+        """Return what a run says of the targets, as the search has it."""
+        return Forecast(self.library, self.parameters(z), rig_targets(), SPAN).values()
+
+    def misfits(self, z: Vector) -> Vector:
+        """Return the targets' residuals of that run."""
+        return np.array(
+            [(y - target.value) / target.sigma for y, target in zip(self.forecast(z), rig_targets(), strict=True)]
+        )
+
     def residuals(self, z: Vector) -> Vector:
         """Return the targets' residuals of a short run, by its statistics."""
         forces = self.forces(z, SPAN.t_end, 1e-4)
@@ -102,13 +114,11 @@ def search(unknowns: list[Unknown], told: Callable[[str], None] = print) -> tupl
     for _, rig in found[:CLOSER]:
         for _, z in screen(rig.residuals, spread_points(unknowns, CLOSE_POINTS, SEED))[:SEARCHES]:
             follow(rig, z)
-    fits.sort(key=total)
-    follow(fits[0][0], fits[0][1].z)  # steps that had become short grow again
-    fits.sort(key=total)
+    fits.sort(key=sum_of)
     return fits[0][0], fits, found
 
 
-def total(item: tuple[Rig, Fit]) -> float:
+def sum_of(item: tuple[Rig, Fit]) -> float:
     """Return the sum that a fit makes small."""
     return item[1].misfit + item[1].strayed
 
@@ -118,28 +128,20 @@ def rounded(unknown: Unknown, z: float) -> float:
     return float(f"{unknown.value(z):.{DIGITS}g}")
 
 
-def tell_unknowns(unknowns: list[Unknown], made: Fit) -> list[dict[str, Any]]:
-    """List what was found of each unknown: value, and the range of one standard deviation that is left."""
-    return [
-        {
-            "name": unknown.name, "keys": list(unknown.keys), "unit": unknown.unit, "assumed": unknown.start,
-            "low": unknown.low, "high": unknown.high, "source": unknown.source, "fitted": rounded(unknown, z),
-            "from": float(max(unknown.value(z - left), unknown.low)),
-            "to": float(min(unknown.value(z + left), unknown.high)), "left": float(left),
-            "strength": [float(value) for value in made.jacobian[:, k]],
-        }
-        for k, (unknown, z, left) in enumerate(zip(unknowns, made.z, made.narrowing, strict=True))
-    ]  # fmt: skip
+def written(unknowns: list[Unknown], z: Vector) -> Vector:
+    """Return the point whose numbers are those written."""
+    return np.array([unknown.place(rounded(unknown, place)) for unknown, place in zip(unknowns, z, strict=True)])
+
+
+def kept_place(data: dict[str, Any]) -> tuple[Rig, Vector]:
+    """Return the rig of a record and the point it holds."""
+    unknowns = rig_unknowns()
+    rig = Rig({item["key"]: item["chosen"] for item in data["readings"]}, unknowns)
+    return rig, np.array([one.place(item["fitted"]) for one, item in zip(unknowns, data["unknowns"], strict=True)])
 
 
 def record(rig: Rig, fits: list[tuple[Rig, Fit]], screened: Any) -> dict[str, Any]:  # noqa: ANN401
-    """Put the outcome into plain values."""
-    unknowns, made = rig.unknowns, fits[0][1]
-    told = tell_unknowns(unknowns, made)
-    covariance = made.covariance / np.outer(made.narrowing, made.narrowing)
-    pairs = sorted(
-        ((float(covariance[i, k]), i, k) for i in range(len(told)) for k in range(i)), key=lambda item: -abs(item[0])
-    )
+    """Put the outcome of a search into plain values."""
     return {
         "scene": SCENE, "made_by": "python -m benchmarks.identify",
         "span": vars(SPAN),
@@ -148,25 +150,68 @@ def record(rig: Rig, fits: list[tuple[Rig, Fit]], screened: Any) -> dict[str, An
              "values": list(choice.values)}
             for choice in rig_choices()
         ],
-        "unknowns": told,
-        "targets": [
-            {"name": target.name, "output": target.output, "printed": target.value, "sigma": target.sigma,
-             "forecast": float(value)}
-            for target, value in zip(rig_targets(), made.forecast, strict=True)
-        ],
-        "misfit": made.misfit, "strayed": made.strayed, "determined": made.determined, "runs": made.runs,
-        "correlations": [
-            {"one": told[k]["name"], "other": told[i]["name"], "correlation": value} for value, i, k in pairs[:6]
+        "unknowns": [
+            {"name": unknown.name, "keys": list(unknown.keys), "unit": unknown.unit, "assumed": unknown.start,
+             "low": unknown.low, "high": unknown.high, "source": unknown.source, "fitted": rounded(unknown, z)}
+            for unknown, z in zip(rig.unknowns, fits[0][1].z, strict=True)
         ],
         "screened": [
             {"reading": list(item.reading.values()), "sum": float(total)} for total, item in screened
         ],
         "fits": [
             {"reading": list(item.reading.values()), "misfit": one.misfit, "strayed": one.strayed,
-             "forecast": [float(value) for value in one.forecast]}
+             "forecast": [float(value) for value in one.forecast], "ended": one.message}
             for item, one in fits
         ],
     }  # fmt: skip
+
+
+def refine(data: dict[str, Any], told: Callable[[str], None] = print) -> None:
+    """Polish the point of a record and tell there what is left open; both at the numbers that are written."""
+    rig, z = kept_place(data)
+    low, high = bounds_of(rig.unknowns)
+    best = total(rig.misfits, z)
+    made = fit(rig.library, rig.parameters, rig.unknowns, rig_targets(), SPAN, z, most=TRIALS)
+    if total(rig.misfits, written(rig.unknowns, made.z)) < best:  # steps that had become short grow again
+        z = written(rig.unknowns, made.z)
+    told(f"{best:.3f}, searched to {total(rig.misfits, z):.3f}: {made.message}")
+    z = polish(rig.misfits, z, low, high, lambda at: written(rig.unknowns, at), told=lambda s: told(f"{s:.3f}"))
+    here = look_around(rig.misfits, z, low, high)
+    data["posterior"] = {
+        "search": made.message, "secant": SECANT, "gradient": float(np.linalg.norm(here.gradient)),
+        "misfit": float(here.residuals @ here.residuals), "strayed": float(z @ z), "determined": here.determined,
+    }  # fmt: skip
+    data["targets"] = [
+        {"name": target.name, "output": target.output, "printed": target.value, "sigma": target.sigma,
+         "forecast": float(target.value + residual * target.sigma)}
+        for target, residual in zip(rig_targets(), here.residuals, strict=True)
+    ]  # fmt: skip
+    for k, (unknown, item) in enumerate(zip(rig.unknowns, data["unknowns"], strict=True)):
+        item |= {"fitted": rounded(unknown, z[k])} | tell_range(rig, here, k, low, high)
+        told(f"{item['name']}: {item['from']:.4g} {item['to']:.4g}, {item['rises']}, {item['alone']}")
+    data["correlations"] = tell_correlations(here, data["unknowns"])
+
+
+def tell_range(rig: Rig, here: Posterior, k: int, low: Vector, high: Vector) -> dict[str, Any]:
+    """Tell how well a number is known: linearised, with the sum's rise at the ends of that range, and moved alone."""
+    unknown, left, z = rig.unknowns[k], here.narrowing[k], here.z[k]
+    ends = np.clip([z - left, z + left], low[k], high[k])
+    base = total(rig.misfits, here.z)
+    rises = [total(rig.misfits, np.clip(here.follow(k, (end - z) / left), low, high)) - base for end in ends]
+    return {
+        "from": unknown.value(ends[0]), "to": unknown.value(ends[1]), "left": float(left), "rises": rises,
+        "alone": [unknown.value(place) for place in move_alone(rig.misfits, here.z, k, low, high)],
+        "strength": [float(value) for value in here.jacobian[:, k]],
+    }  # fmt: skip
+
+
+def tell_correlations(here: Posterior, told: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """List the strongest correlations of what is left open."""
+    covariance = here.covariance / np.outer(here.narrowing, here.narrowing)
+    pairs = sorted(
+        ((float(covariance[i, k]), i, k) for i in range(len(told)) for k in range(i)), key=lambda item: -abs(item[0])
+    )
+    return [{"one": told[k]["name"], "other": told[i]["name"], "correlation": value} for value, i, k in pairs[:6]]
 
 
 def write_scene(text: str, data: dict[str, Any]) -> str:
@@ -176,8 +221,9 @@ def write_scene(text: str, data: dict[str, Any]) -> str:
         value = f"{item['fitted']:g} {item['unit']}" if item["unit"] else f"{item['fitted']:g}"
         written = f'"{value}"' if item["unit"] else value
         why = (
-            f"fitted: {item['name']}, {item['from']:.3g} to {item['to']:.3g} (one sigma), against Table 9 within "
-            f"{item['low']:g} to {item['high']:g}; {item['assumed']:g} was assumed"
+            f"fitted: {item['name']}, {item['from']:.3g} to {item['to']:.3g} (one sigma, linearised), alone "
+            f"{item['alone'][0]:.4g} to {item['alone'][1]:.4g}, against Table 9 within {item['low']:g} to "
+            f"{item['high']:g}; {item['assumed']:g} was assumed"
         )
         new |= dict.fromkeys(item["keys"], (written, why))
     for item in data["readings"]:
@@ -216,24 +262,43 @@ def load_table(data: dict[str, Any]) -> str:
 
 def fit_table(data: dict[str, Any]) -> str:
     """Return what was fitted, in Markdown."""
-    text = "| number | assumed | fitted | one sigma | bounds | left |\n" + "|---" * 6 + "|\n"
+    text = "| number | assumed | fitted | one sigma, linearised | the sum rises there by | alone | bounds | left |\n"
+    text += "|---" * 8 + "|\n"
     for item in data["unknowns"]:
         sigma, bounds = (f"{item[a]:.4g} to {item[b]:.4g}" for a, b in (("from", "to"), ("low", "high")))
         values = (f"{item[key]:.4g} {item['unit']}".strip() for key in ("assumed", "fitted"))
-        text += f"| {item['name']} | {' | '.join(values)} | {sigma} | {bounds} | {item['left']:.2f} |\n"
+        rises, alone = (f"{format(one[0], form)} {word} {format(one[1], form)}" for one, form, word in (
+            (item["rises"], ".1f", "and"), (item["alone"], ".4g", "to")
+        ))  # fmt: skip
+        text += (
+            f"| {item['name']} | {' | '.join(values)} | {sigma} | {rises} | {alone} | {bounds} | {item['left']:.2f} |\n"
+        )
     changed = [f"{item['name']}: {item['chosen']}" for item in data["readings"] if item["chosen"] != item["assumed"]]
-    told = f"Determined by the targets: {data['determined']:.1f} of {len(data['unknowns'])}."
-    best = data["fits"][0]
-    others = [item["misfit"] + item["strayed"] for item in data["fits"] if item["reading"] != best["reading"]]
-    sums = f"Sum of squares {best['misfit'] + best['strayed']:.1f}; {min(others):.1f} with the next best readings."
+    known, best = data["posterior"], data["fits"][0]
+    told = f"Determined by the targets, linearised: {known['determined']:.1f} of {len(data['unknowns'])}."
+    others = [sum_kept(item) for item in data["fits"] if item["reading"] != best["reading"]]
+    sums = (
+        f"Sum of squares {sum_kept(known):.1f}, {sum_kept(best):.1f} before it was polished; {min(others):.1f} with "
+        f"the next best readings, not polished. Half of the sum's slope over the secants: {known['gradient']:.1f}."
+    )
     return f"{text}\n{told} Readings changed: {'; '.join(changed) or 'none'}. {sums}\n"
+
+
+def sum_kept(item: dict[str, Any]) -> float:
+    """Return the sum that a record tells of a fit."""
+    return float(item["misfit"] + item["strayed"])
 
 
 def mode_table(data: dict[str, Any]) -> str:
     """Return what the fit says of the lowest modes, in Markdown."""
-    text = "| mode | Hz | sigma before | sigma after | what it is |\n" + "|---" * 5 + "|\n"
+    text = (
+        "| mode | Hz | sigma before | sigma after, linearised | numbers moved alone | what it is |\n"
+        + "|---" * 6
+        + "|\n"
+    )
     for item in data["modes"]:
-        text += f"| {item['mode']} | {item['hz']:.2f} | {item['before']:.2f} | {item['after']:.2f} | {item['name']} |\n"
+        sigmas = f"{item['before']:.2f} | {item['after']:.2f} | {item['alone'][0]:.2f} to {item['alone'][1]:.2f}"
+        text += f"| {item['mode']} | {item['hz']:.2f} | {sigmas} | {item['name']} |\n"
     return text
 
 
@@ -248,21 +313,40 @@ def put(parts: dict[str, str]) -> None:
 
 def tell_modes(data: dict[str, Any]) -> list[dict[str, Any]]:
     """List the lowest eigenfrequencies with their standard deviations before the fit and after it [Hz]."""
-    unknowns = rig_unknowns()
-    rig = Rig({item["key"]: item["chosen"] for item in data["readings"]}, unknowns)
-    z = np.array([one.place(item["fitted"]) for one, item in zip(unknowns, data["unknowns"], strict=True)])
-    p, jacobian = rig.parameters(z), np.array([item["strength"] for item in data["unknowns"]]).T
-    linear = linearise(rig.library, p, find_equilibrium(rig.library, p))
-    modes = describe_modes(linear, find_modes(linear))
+    rig, z = kept_place(data)
+    jacobian = np.array([item["strength"] for item in data["unknowns"]]).T
+    linear, modes = find_named(rig, z)
     slopes = parameter_slopes(rig.parameters, z)
     moving = slopes.any(axis=1)
+    swept = np.array(
+        [[mode.frequency_hz for mode in find_named(rig, there)[1][:MODES]] for there in lone_ends(rig, z, data)]
+    )
     found = []
     for item in differentiate_modes(linear, modes, list(range(1, MODES + 1))):
         before, after = spread_of(item.frequency_hz[moving] @ slopes[moving], jacobian)
-        mode = modes[item.number - 1]
+        mode, own = modes[item.number - 1], swept[:, item.number - 1]
         found.append(
-            {"mode": item.number, "hz": mode.frequency_hz, "name": mode.name, "before": before, "after": after}
-        )
+            {"mode": item.number, "hz": mode.frequency_hz, "name": mode.name, "before": before, "after": after,
+             "alone": [float(own.min()), float(own.max())]}
+        )  # fmt: skip
+    return found
+
+
+def find_named(rig: Rig, z: Vector) -> tuple[Linear, list[Mode]]:
+    """Return the linear system at a point and its named modes."""
+    p = rig.parameters(z)
+    linear = linearise(rig.library, p, find_equilibrium(rig.library, p))
+    return linear, describe_modes(linear, find_modes(linear))
+
+
+def lone_ends(rig: Rig, z: Vector, data: dict[str, Any]) -> list[Vector]:
+    """Return the point, and those where one number has moved alone to an end of its range."""
+    found = [z]
+    for k, (unknown, item) in enumerate(zip(rig.unknowns, data["unknowns"], strict=True)):
+        for value in item["alone"]:
+            there = z.copy()
+            there[k] = unknown.place(value)
+            found.append(there)
     return found
 
 
@@ -282,9 +366,11 @@ def finish(data: dict[str, Any]) -> None:
 
 
 def main() -> None:
-    """Fit and write; with ``--tables``, write anew what follows from the kept record."""
-    kept = "--tables" in sys.argv
+    """Fit and write; with ``--polish`` or ``--tables``, only what follows from the kept record."""
+    kept = {"--tables", "--polish"} & set(sys.argv)
     data = json.loads(RECORD.read_text("utf-8")) if kept else record(*search(rig_unknowns()))
+    if "--tables" not in sys.argv:
+        refine(data)
     finish(data)
     print(load_table(data), fit_table(data), sep="\n")
 

@@ -14,8 +14,8 @@ PLAIN = (
 """Parts of a summary that are text or a number."""
 STRUCTURED = ("counts", "warnings", "seconds", "accuracy", "setting")
 """Parts that are kept as JSON."""
-UNFINISHED = "not finished"
-"""How the status of a part begins."""
+UNFINISHED, GOES_ON = "not finished", "--resume goes on"
+"""How the status of a part begins, and how that of a stopped run ends."""
 FORCES, STATISTICS = "forces", "statistics"
 """What statistics of mesh forces are called in a summary, and in a file."""
 

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .analysis.lines import find_clues
 from .spectra import Line, amplitude_spectrum, name_line, planar_spectrum, strongest_lines
 from .statistics import (
     group_of,
@@ -162,16 +163,10 @@ def _own_lines(dataset: xr.Dataset, member: str, start: float) -> str:
     if found is None:
         return "not simulated"
     _, _, frequency, amplitude = found
-    meshes = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
-    lines = named_lines(frequency, amplitude, meshes, carrier_rotations(dataset, start))
+    clues = find_clues(window(dataset, start))
+    lines = named_lines(frequency, amplitude, clues.meshes, clues.carriers)
     text = "\n".join(f"{line.frequency_hz:.1f} ({name or '?'}) {line.amplitude:.2g}" for line, name in lines)
     return text or "none above rounding"
-
-
-def carrier_rotations(dataset: xr.Dataset, start: float) -> dict[str, float]:
-    """Rotation frequency of every carrier that turns [Hz], by member."""
-    speeds = shaft_speeds(dataset, start) if "speed" in dataset else {}
-    return {name: abs(value) / (2 * math.pi) for name, value in speeds.items() if name.endswith(".carrier")}
 
 
 def position_spectrum(

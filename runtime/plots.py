@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .comparison import PRINTED_FORCE, carrier_rotations, named_lines, position_spectrum, published
+from .analysis.lines import find_clues
+from .comparison import PRINTED_FORCE, named_lines, position_spectrum, published
 from .results import written_whole
 from .statistics import group_of, mesh_frequencies, pressure_angles, steady_start, window
 
@@ -210,9 +211,8 @@ def _draw_spectrum(axes: Axes, dataset: xr.Dataset, plan: _SpectrumFigure) -> bo
     top = float(amplitude[shown].max()) or 1.0
     axes.semilogy(frequency[shown], amplitude[shown], color=BLUE, lw=0.9, label="simulated")
     _mark_printed(axes, plan)
-    meshes = mesh_frequencies(dataset) if "mesh_phase" in dataset else {}
-    turns = carrier_rotations(dataset, steady_start(dataset))
-    _number_lines(axes, named_lines(frequency, amplitude, meshes, turns, _NAMED, _SPECTRUM_LIMIT))
+    clues = find_clues(window(dataset))
+    _number_lines(axes, named_lines(frequency, amplitude, clues.meshes, clues.carriers, _NAMED, _SPECTRUM_LIMIT))
     axes.set_ylim(top * 10.0**-_DECADES, top * 4.0)
     axes.set_xlim(0.0, _SPECTRUM_LIMIT)
     axes.set_title(f"{plan.title} (cf. Fig. {plan.number})", loc="left", fontsize=11)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from .attributes import UNFINISHED, to_attributes
+from .attributes import GOES_ON, UNFINISHED, to_attributes
 from .checkpoint import checkpoint_of, describe_run, read_checkpoint, write_checkpoint
 from .choice import Choice, choose
 from .dataset import columns_of, make_dataset
@@ -37,7 +37,7 @@ from .statistics import between_samples
 if TYPE_CHECKING:
     import xarray as xr
 
-UNDER_WAY = f"{UNFINISHED}; `ltcgear simulate` with the same arguments and --resume goes on"
+UNDER_WAY = f"{UNFINISHED}; `ltcgear simulate` with the same arguments and {GOES_ON}"
 
 
 def check_resumable(target: Path) -> None:
@@ -122,7 +122,7 @@ def record(
             summary |= verified(library, p, at, summary, **options | {"rate": rate})
         stopped = outcome.status.startswith("interrupted")
         if stopped:
-            summary["status"] += "; --resume goes on"
+            summary["status"] += f"; {GOES_ON}"
         clock = perf_counter()
         recorder.seal(to_attributes(attributes, summary), outcome)
         summary["seconds"]["write"] = perf_counter() - clock

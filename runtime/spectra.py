@@ -201,6 +201,7 @@ def explain_line(
     modes: Mapping[str, tuple[float, float]] | None = None,
     highest_hz: float = 0.0,
     rate_hz: float | None = None,
+    highest: int = HARMONICS,
 ) -> tuple[str, str]:
     """Explain a line by the mesh frequencies, rotations and modes that are there.
 
@@ -233,6 +234,8 @@ def explain_line(
         tolerance tells apart (`CLOSE`, `SHARP`).
     rate_hz
         Sampling rate, where harmonics beyond its half may have folded back.
+    highest
+        Highest order that is considered, of a harmonic and of either part of a sideband.
 
     Returns
     -------
@@ -244,9 +247,9 @@ def explain_line(
     others = {name: value for name, value in (shafts or {}).items() if value > 0.0}
     close = CLOSE * tolerance_hz
     tiers = (
-        ("harmonic", tolerance_hz, list(_harmonics(turning))),
-        ("sideband", tolerance_hz, [*_sidebands(turning, carriers), *_sidebands(turning, turning)]),
-        ("shaft", tolerance_hz, [*_turns(others), *_sidebands(turning, others)]),
+        ("harmonic", tolerance_hz, list(_harmonics(turning, highest))),
+        ("sideband", tolerance_hz, [*_sidebands(turning, carriers, highest), *_sidebands(turning, turning, highest)]),
+        ("shaft", tolerance_hz, [*_turns(others, highest), *_sidebands(turning, others, highest)]),
         ("harmonic", close, [*_high_harmonics(turning, close, highest_hz), *_folded(turning, rate_hz)]),
     )
     for kind, within, candidates in tiers:
@@ -266,9 +269,10 @@ def name_line(
     mesh_frequencies: Mapping[str, float],
     tolerance_hz: float,
     rotations: Mapping[str, float] | None = None,
+    highest: int = HARMONICS,
 ) -> str:
     """Return the name by which `explain_line` knows a line, "" for one that nothing explains."""
-    return explain_line(frequency_hz, mesh_frequencies, tolerance_hz, rotations)[1]
+    return explain_line(frequency_hz, mesh_frequencies, tolerance_hz, rotations, highest=highest)[1]
 
 
 def nearest_mode(frequency_hz: float, tolerance_hz: float, modes: Mapping[str, tuple[float, float]]) -> str:
@@ -281,10 +285,10 @@ def nearest_mode(frequency_hz: float, tolerance_hz: float, modes: Mapping[str, t
     return min(near)[1] if near else ""
 
 
-def _harmonics(meshes: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+def _harmonics(meshes: Mapping[str, float], highest: int) -> Iterator[tuple[int, float, str]]:
     """Yield order, frequency [Hz] and name of every harmonic considered."""
     for name, value in meshes.items():
-        for order in range(1, HARMONICS + 1):
+        for order in range(1, min(HARMONICS, highest) + 1):
             yield order, order * value, f"{order} {name}"
 
 
@@ -300,27 +304,29 @@ def _folded(meshes: Mapping[str, float], rate: float | None) -> Iterator[tuple[i
     """Yield order, frequency at which it shows [Hz] and name of every harmonic beyond half the sampling rate."""
     if rate is None:
         return
-    for order, value, name in _harmonics(meshes):
+    for order, value, name in _harmonics(meshes, HARMONICS):
         if value > 0.5 * rate:
             yield order, abs(value - rate * round(value / rate)), f"{name} folded"
 
 
-def _turns(shafts: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+def _turns(shafts: Mapping[str, float], highest: int) -> Iterator[tuple[int, float, str]]:
     """Yield order, frequency [Hz] and name of the turns of shafts and their low harmonics."""
     for name, value in shafts.items():
-        for order in range(1, SIDE_ORDERS + 1):
+        for order in range(1, min(SIDE_ORDERS, highest) + 1):
             yield order, order * value, f"{order} {name}"
 
 
-def _sidebands(meshes: Mapping[str, float], sides: Mapping[str, float]) -> Iterator[tuple[int, float, str]]:
+def _sidebands(
+    meshes: Mapping[str, float], sides: Mapping[str, float], highest: int
+) -> Iterator[tuple[int, float, str]]:
     """Yield sum of orders, frequency [Hz] and name of every sideband considered."""
     for carrier, centre in meshes.items():
         for side, distance in sides.items():
             foreign = "." in side and side.split(".")[0] != carrier  # a carrier turns its own stage's meshes
             if distance >= centre or foreign:
                 continue
-            for order in range(1, CARRIER_ORDERS + 1):
+            for order in range(1, min(CARRIER_ORDERS, highest) + 1):
                 middle = carrier if order == 1 else f"{order} {carrier}"
-                for step in range(1, SIDE_ORDERS + 1):
+                for step in range(1, min(SIDE_ORDERS, highest) + 1):
                     yield order + step, order * centre + step * distance, f"{middle} + {step} {side}"
                     yield order + step, order * centre - step * distance, f"{middle} - {step} {side}"

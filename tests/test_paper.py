@@ -7,8 +7,10 @@ import tomllib
 from html.parser import HTMLParser
 from importlib import import_module
 
+import numpy as np
 import pytest
 from ltcgear.runtime.comparison import compare
+from ltcgear.runtime.identification.posterior import total
 from ltcgear.runtime.library import build
 from ltcgear.runtime.paper.page import fitted
 from ltcgear.runtime.paper.table9 import FACTOR_AIM, MEAN_AIM, tell_loads
@@ -101,10 +103,53 @@ def flat(tables, path=""):
 
 def test_fitted_numbers_lie_within_their_bounds_and_ranges():
     for item in fitted()["unknowns"]:
-        assert item["low"] <= item["from"] <= item["fitted"] * (1 + 1e-3 if item["fitted"] > 0 else 1 - 1e-3)
-        assert item["fitted"] <= item["to"] * 1.001 <= item["high"] * 1.002
+        for low, high in ((item["from"], item["to"]), item["alone"]):
+            assert item["low"] * (1 - 1e-9) <= low or item["low"] < 0
+            assert low <= item["fitted"] <= high
+            assert high <= item["high"] * (1 + 1e-9)
         assert 0 < item["left"] <= 1
-    assert 0 < fitted()["determined"] < len(fitted()["targets"])
+    assert 0 < fitted()["posterior"]["determined"] < len(fitted()["targets"])
+
+
+@pytest.fixture(scope="module")
+def place(identify):
+    """The rig of the record, and the place of the numbers that are written."""
+    return identify.kept_place(fitted())
+
+
+def test_the_record_is_of_the_numbers_that_are_written(place):
+    rig, z = place
+    kept = fitted()["posterior"]
+    assert rig.forecast(z) == pytest.approx([item["forecast"] for item in fitted()["targets"]], abs=1e-3)
+    assert total(rig.misfits, z) == pytest.approx(kept["misfit"] + kept["strayed"], rel=0.01)
+    best = fitted()["fits"][0]
+    assert kept["misfit"] + kept["strayed"] <= best["misfit"] + best["strayed"]  # polishing only lowers
+
+
+@pytest.mark.parametrize("name", ["LSP ring outer diameter", "HSP sun bearing stiffness"])
+def test_the_record_s_strengths_are_secants_of_the_model(place, name):
+    rig, z = place
+    k = next(k for k, unknown in enumerate(rig.unknowns) if unknown.name == name)
+    move = np.zeros(len(z))
+    move[k] = fitted()["posterior"]["secant"]
+    secant = (rig.misfits(z + move) - rig.misfits(z - move)) / (2 * move[k])
+    assert fitted()["unknowns"][k]["strength"] == pytest.approx(secant, rel=0.02, abs=0.1)
+
+
+@pytest.mark.parametrize("name", ["LSP ring outer diameter", "LSP face width"])
+def test_a_steep_number_moved_alone_raises_the_sum_by_one_at_its_range_s_ends(place, name):
+    rig, z = place
+    k = next(k for k, unknown in enumerate(rig.unknowns) if unknown.name == name)
+    base = total(rig.misfits, z)
+
+    def rise(value, factor):
+        there = z.copy()
+        there[k] += factor * (rig.unknowns[k].place(value) - z[k])
+        return total(rig.misfits, there) - base
+
+    for end in fitted()["unknowns"][k]["alone"]:
+        assert rise(end, 0.98) < 1.05
+        assert rise(end, 1.05) > 1.0
 
 
 def test_the_page_of_the_rig_has_the_record_s_tables(identify):
@@ -174,8 +219,19 @@ def test_the_page_tells_what_is_printed_predicted_and_fitted(page):
     reader = Reader()
     reader.feed(page[0])
     words = " ".join(" ".join(reader.words).split())
-    for expected in ("3.34 ± 0.39", "1.134", "638.82", "59.2", "413.2", "14 lsp", "unexplained", "Table 1"):
+    for expected in (
+        "3.34 ± 0.39",
+        "1.134",
+        "638.82",
+        "59.2",
+        "413.2",
+        "3 hsp - 2 lsp or 14 lsp",
+        "unexplained",
+        "Table 1",
+    ):
         assert expected in words, expected
+    assert "(41 modes below 3 kHz)" in words  # the rig as assumed
+    assert "(39 modes below 3 kHz)" in words  # the fitted one has two beyond
     for item in fitted()["unknowns"][1:]:
         assert item["name"] in words
         assert f"{item['fitted']:.4g}" in words
@@ -186,6 +242,28 @@ def test_names_that_are_html_are_shown_as_text(page):
     assert "<script>alert" not in page[0]
     assert "title=&lt;i&gt;x&lt;/i&gt;" in page[0]
     assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; more" in page[0]
+
+
+def test_the_step_ends_at_the_load_of_the_scene():
+    """Half the load in steady running, half of the forces after the step as well: their ratio stays."""
+    from ltcgear.runtime.cli import reproducing
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(reproducing, "STEP_END", 0.8)
+        whole, half = (
+            reproducing._transient(changes)["mesh_force"].sel(mesh="lsp.sun_planet.1").values
+            for changes in (None, ["loads.generator.torque=-5.3e3 N*m"])
+        )
+    assert abs(half[-200:].mean()) == pytest.approx(0.5 * abs(whole[-200:].mean()), rel=0.05)
+    assert abs(half[:200].mean()) == pytest.approx(0.5 * abs(whole[:200].mean()), rel=0.05)
+
+
+def test_a_load_without_torque_has_no_step(refused, tmp_path):
+    load = "loads.generator={ member = 'generator', torque_over_time = [['0 s', '0 N*m'], ['1 s', '-1e4 N*m']] }"
+    text = refused("paper", "-o", tmp_path, "--set", load)
+    assert "loads.generator" in text
+    assert "--quick" in text
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_without_jinja2_the_command_says_what_to_install(refused, monkeypatch, tmp_path):

@@ -8,6 +8,7 @@ import typer
 from ltcgear.generated.errors import LtcgearError, SolverError
 
 from .. import present
+from ..attributes import GOES_ON
 from ..options import (
     Accuracy,
     AsJson,
@@ -55,9 +56,9 @@ def simulate(
     finished(summary)
 
 
-def finished(summary: dict[str, Any]) -> None:
+def finished(summary: dict[str, Any], resumable: bool = True) -> None:
     """Stop with the reason, where a simulation did not reach its end."""
-    status = summary["status"]
+    status = summary["status"] if resumable else summary["status"].removesuffix(f"; {GOES_ON}")
     if status != "done":
         raise (InterruptedRunError if status.startswith("interrupted") else SolverError)(status)
 

@@ -125,9 +125,11 @@ def draw_fit(unknowns: Sequence[Mapping[str, Any]]) -> "Figure":
     figure = make_canvas(9.0, 0.9 + 0.32 * len(unknowns))
     axes = figure.add_subplot()
     for k, item in enumerate(unknowns):
-        at, assumed, low, high = (_part(item, key) for key in ("fitted", "assumed", "from", "to"))
+        at, assumed, low, high = (_part(item, item[key]) for key in ("fitted", "assumed", "from", "to"))
+        alone = [_part(item, value) for value in item["alone"]]
         axes.plot([0, 1], [k, k], color=GREY, lw=0.8, label="bounds" if k == 0 else None)
-        axes.plot([low, high], [k, k], color=VERMILLION, lw=3.0, alpha=0.5, label="one sigma" if k == 0 else None)
+        axes.plot([low, high], [k, k], color=VERMILLION, lw=3.0, alpha=0.5, label="linearised" if k == 0 else None)
+        axes.plot(alone, [k, k], color=VERMILLION, lw=6.0, label="alone" if k == 0 else None)
         axes.plot([at], [k], "o", color=VERMILLION, label="fitted" if k == 0 else None)
         axes.plot([assumed], [k], "|", ms=12, mew=2, color=BLUE, label="assumed" if k == 0 else None)
     axes.set_yticks(range(len(unknowns)), [item["name"] for item in unknowns], fontsize=9)
@@ -137,9 +139,9 @@ def draw_fit(unknowns: Sequence[Mapping[str, Any]]) -> "Figure":
     return figure
 
 
-def _part(item: Mapping[str, Any], key: str) -> float:
+def _part(item: Mapping[str, Any], value: float) -> float:
     """Return where a value lies between the bounds, 0..1."""
-    value, low, high = item[key], item["low"], item["high"]
+    low, high = item["low"], item["high"]
     if low <= 0:
         return float((value - low) / (high - low))
     return float(np.log(value / low) / np.log(high / low))

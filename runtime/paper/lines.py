@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..comparison import position_spectrum, published
+from ..comparison import LIST_LIMIT, position_spectrum, published
 from ..spectra import name_line
 
 if TYPE_CHECKING:
@@ -20,6 +20,12 @@ HIGHEST = 5
 """Highest order that counts within ``NEAR``: those of the slowest mesh would explain every line."""
 SHARP = 0.5
 """Distance [Hz] at which a high harmonic counts: the width of a line of 2 s."""
+FAINT = 1e-3
+"""Share of the strongest line below which there is no peak."""
+MODES_BELOW = 3000.0
+"""Modes below this are counted [Hz]."""
+GRID = 0.5
+"""Distance of the frequencies over which chance is counted [Hz]."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +39,9 @@ class Explanation:
     kind
         ``harmonic``, ``sideband``, ``mode`` or ``unexplained``.
     name
-        The harmonic, the sideband, or the mode next to it.
+        The harmonic or the sideband, with any sharp harmonic of higher order after it; or the mode next to it.
     off
-        Relative distance of what explains it, or of the next mode.
+        Relative distance of what explains it first, or of the next mode.
     """
 
     frequency_hz: float
@@ -66,8 +72,17 @@ def forced_name(frequency_hz: float, meshes: Mapping[str, float], turns: Mapping
     meshes, turns
         Mesh frequency of each stage and turns of each carrier [Hz], by name.
     """
-    name = name_line(frequency_hz, meshes, NEAR * frequency_hz, turns)
-    return "" if any(int(word) > HIGHEST for word in name.split() if word.isdigit()) else name
+    return name_line(frequency_hz, meshes, NEAR * frequency_hz, turns, HIGHEST)
+
+
+def sharp_names(frequency_hz: float, meshes: Mapping[str, float]) -> list[str]:
+    """Return the harmonics of higher order that lie within ``SHARP`` of a line."""
+    orders = {stage: round(frequency_hz / frequency) for stage, frequency in meshes.items() if frequency > 0}
+    return [
+        f"{order} {stage}"
+        for stage, order in orders.items()
+        if order > HIGHEST and abs(order * meshes[stage] - frequency_hz) <= SHARP
+    ]
 
 
 def explain_lines(
@@ -97,13 +112,11 @@ def _explain(
     modes: Sequence["Mode"],
 ) -> Explanation:  # fmt: skip
     """Explain one line."""
-    if name := forced_name(value, meshes, turns):
+    sharp = sharp_names(value, meshes)
+    if name := forced_name(value, meshes, turns) or next(iter(sharp), ""):
         kind = "harmonic" if " + " not in name and " - " not in name else "sideband"
-        return Explanation(value, places, kind, name, _frequency(name, meshes, turns) / value - 1)
-    for stage, frequency in meshes.items():
-        order = round(value / frequency)
-        if order and abs(order * frequency - value) <= SHARP:
-            return Explanation(value, places, "harmonic", f"{order} {stage}", order * frequency / value - 1)
+        off = _frequency(name, meshes, turns) / value - 1
+        return Explanation(value, places, kind, " or ".join(dict.fromkeys([name, *sharp])), off)
     mode = min(modes, key=lambda mode: abs(mode.frequency_hz - value))
     off = mode.frequency_hz / value - 1
     return Explanation(value, places, "mode" if abs(off) <= NEAR else "unexplained", mode.name, off)
@@ -123,7 +136,27 @@ def _frequency(name: str, meshes: Mapping[str, float], turns: Mapping[str, float
     return total
 
 
-def own_peak(dataset: "xr.Dataset", members: Sequence[str], frequency_hz: float, start_s: float) -> tuple[float, float]:
+def count_chance(meshes: Mapping[str, float], turns: Mapping[str, float], modes: Sequence["Mode"]) -> dict[str, float]:
+    """Count how much is explained by chance: how many of all frequencies between the printed lines would be.
+
+    Returns
+    -------
+    dict
+        ``forced`` and ``mode``, shares of the frequencies that are a low harmonic or sideband, and that have a mode,
+        within ``NEAR``; ``modes``, how many modes lie below ``MODES_BELOW``.
+    """
+    lines = list(printed_lines(("simulated",)))
+    places = np.arange(lines[0], lines[-1], GRID)
+    own = np.array([mode.frequency_hz for mode in modes if mode.frequency_hz > 0])
+    forced = [bool(forced_name(float(place), meshes, turns)) for place in places]
+    near = (np.abs(own[:, None] - places) <= NEAR * places).any(axis=0)
+    below = int(np.count_nonzero(own < MODES_BELOW))
+    return {"forced": float(np.mean(forced)), "mode": float(np.mean(near)), "modes": below}
+
+
+def own_peak(
+    dataset: "xr.Dataset", members: Sequence[str], frequency_hz: float, start_s: float
+) -> tuple[float, float] | None:
     """Find our strongest peak next to a printed line.
 
     Parameters
@@ -137,22 +170,23 @@ def own_peak(dataset: "xr.Dataset", members: Sequence[str], frequency_hz: float,
 
     Returns
     -------
-    frequency, share
-        Of the highest bin within ``NEAR`` [Hz], and its amplitude over that of the strongest line up to 700 Hz; zeros
-        where nothing of that was simulated.
+    (frequency, share) or None
+        Of the highest peak within ``NEAR`` [Hz], a bin above both its neighbours, and its amplitude over that of the
+        strongest line up to 700 Hz; None where there is no peak of ``FAINT`` at least, or nothing was simulated.
     """
-    best = (0.0, 0.0)
+    from scipy.signal import find_peaks
+
+    found = []
     for member in members:
-        found = position_spectrum(dataset, member, start_s)
-        if found is None:
+        spectrum = position_spectrum(dataset, member, start_s)
+        if spectrum is None:
             continue
-        _, _, frequency, amplitude = found
-        near = np.flatnonzero(np.abs(frequency - frequency_hz) <= NEAR * frequency_hz)
-        top = float(amplitude[(frequency > 0) & (frequency < 700.0)].max())
-        if len(near) and top > 0:
-            here = near[int(amplitude[near].argmax())]
-            best = max(best, (float(frequency[here]), float(amplitude[here]) / top), key=lambda item: item[1])
-    return best
+        _, _, frequency, amplitude = spectrum
+        top = float(amplitude[(frequency > 0) & (frequency < LIST_LIMIT)].max())
+        peaks, _ = find_peaks(amplitude, height=FAINT * top)
+        near = peaks[np.abs(frequency[peaks] - frequency_hz) <= NEAR * frequency_hz]
+        found += [(float(amplitude[peak]) / top, float(frequency[peak])) for peak in near if top > 0]
+    return max(found)[::-1] if found else None
 
 
 def tell_lines(
@@ -170,7 +204,7 @@ def tell_lines(
         per_rig = {}
         for rig, items in explained.items():
             item = items[k]
-            frequency, share = own_peak(datasets[rig], members[first.frequency_hz], first.frequency_hz, start_s)
-            per_rig[rig] = {"kind": item.kind, "name": item.name, "off": item.off, "ours": frequency, "share": share}
+            peak = own_peak(datasets[rig], members[first.frequency_hz], first.frequency_hz, start_s)
+            per_rig[rig] = {"kind": item.kind, "name": item.name, "off": item.off, "peak": peak}
         rows.append({"frequency": first.frequency_hz, "places": list(first.places), "rigs": per_rig})
     return rows

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..comparison import carrier_rotations, compare, published
+from ..analysis.lines import find_clues
+from ..comparison import compare, published
 from ..linear.response import respond
 from ..pages import open_templates, write_text
 from ..plots import draw_paper_figures
 from ..report.theme import themed, write_svg
-from ..statistics import mesh_frequencies, steady_start, window
+from ..statistics import steady_start, window
 from .figures import (
     COLOURS,
     MESHES,
@@ -24,7 +25,7 @@ from .figures import (
     draw_transient,
     split_run,
 )
-from .lines import tell_lines
+from .lines import count_chance, tell_lines
 from .table9 import FACTOR_AIM, MEAN_AIM, tell_loads
 
 if TYPE_CHECKING:
@@ -106,12 +107,14 @@ def compose(material: Material) -> str:
     """Return the page's HTML."""
     first = material.datasets["assumed"]
     start = steady_start(first)
-    meshes, turns = mesh_frequencies(first), carrier_rotations(first, start)
+    clues = find_clues(window(first, start))
+    meshes, turns = clues.meshes, clues.carriers
     loads = tell_loads(material.datasets, start)
     text: str = open_templates(ROOM, NEEDING).get_template("paper.html").render(
         published=published(), record=fitted(), loads=loads, aims=(MEAN_AIM, FACTOR_AIM), verdict=_verdict(loads),
         table7=compare(first, start)["table7"],
         lines=tell_lines(meshes, turns, material.modes, material.datasets, start),
+        chance={rig: count_chance(meshes, turns, own) for rig, own in material.modes.items()},
         modes=_list_modes(material.modes), figures=_draw(material, meshes), captions=CAPTIONS, rigs=list(COLOURS),
         step=_tell_step(material), steady=_tell_steady(material), shares=material.shares,
         changes=material.changes, turns=_turns(first),
@@ -165,7 +168,7 @@ def _tell_steady(material: Material) -> list[dict[str, Any]]:
     for rig, dataset in material.datasets.items():
         for mesh in MESHES:
             middle, _, mean, high = split_run(dataset, mesh)
-            factors = (high / mean)[middle > steady_start(dataset)]
+            factors = (high / mean)[middle >= min(steady_start(dataset), middle[-1])]
             rows.append({"rig": rig, "mesh": mesh, "low": float(factors.min()), "high": float(factors.max())})
     return rows
 

@@ -4,15 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from ltcgear.runtime.comparison import (
-    NOISE,
-    carrier_rotations,
-    compare,
-    named_lines,
-    position_spectrum,
-    published,
-)
+from ltcgear.runtime.analysis.lines import find_clues
+from ltcgear.runtime.comparison import NOISE, compare, named_lines, position_spectrum, published
 from ltcgear.runtime.spectra import amplitude_spectrum
+from ltcgear.runtime.statistics import window
 from ltcgear.runtime.tables import Table
 from rich.console import Console
 
@@ -145,10 +140,11 @@ def test_lines_are_named_and_ordered_by_strength(tables):
 
 def test_a_turn_of_the_carrier_beside_its_mesh_is_named(dataset, tables):
     # 158 Hz - 8.4 / 2 pi Hz = 156.66 Hz, on the grid of 0.5 Hz at 156.5 Hz.
-    assert carrier_rotations(dataset, STEADY) == pytest.approx({"hsp.carrier": 8.4 / (2.0 * math.pi)})
+    carriers = find_clues(window(dataset, STEADY)).carriers
+    assert carriers == pytest.approx({"hsp.carrier": 8.4 / (2.0 * math.pi)})
     place = ("Back chassis", "PSH: input bearing &", "HSP: output bearing", "ours: hsp.sun")
     assert lines_of(tables["table8"], *place) == ["628.0 (1 psh) 5", "156.5 (hsp - 1 hsp.carrier) 1"]
-    assert carrier_rotations(dataset.drop_vars("speed"), STEADY) == {}
+    assert find_clues(window(dataset.drop_vars("speed"), STEADY)).carriers == {}
     still = compare(dataset.assign(speed=0.0 * dataset["speed"]))["table8"]
     assert lines_of(still, *place)[1] == "156.5 (?) 1"
 

@@ -53,9 +53,7 @@ def test_a_twin_gives_its_numbers_back():
 
 
 def test_a_number_that_nothing_speaks_of_stays_where_it_was():
-    idle = Unknown(
-        "damping of the output bearing", ("stages.psh.output.disc.inner_diameter",), "mm", 20.0, 1.0, 60.0, "test"
-    )
+    idle = Unknown("bore of the output gear", ("stages.psh.output.disc.inner_diameter",), "mm", 20.0, 1.0, 60.0, "test")
     unknowns = [DAMPING, idle]
     targets = twin([0.5, 0.0], unknowns, sigma=0.5)[:1]
     found = fit(case("psh").library, lambda z: psh(z, unknowns), unknowns, targets, SPAN)
