@@ -10,7 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 from .. import present
 from ..options import SHORTEST_PAPER, AsJson, Changes, Method, PaperEnd, ResultFolder
 from . import running
-from .app import app
+from .app import InterruptedRunError, app
 from .linear import open_linear
 from .opening import compile_model, open_scene, split_changes
 
@@ -72,10 +72,11 @@ def _finished(summary: dict[str, Any], file: Path) -> None:
     from ..checkpoint import checkpoint_of
     from ..part import part_of
 
-    if summary["status"] != "done":
+    if summary["status"].startswith("interrupted"):
         for path in (file, part_of(file), checkpoint_of(file)):
             path.unlink(missing_ok=True)
-    running.finished(summary, resumable=False)
+        raise InterruptedRunError("stopped; nothing of the run is kept")
+    running.finished(summary)
 
 
 def _write_page(results: Mapping[str, "Result"], changes: list[str] | None, path: Path) -> Path:

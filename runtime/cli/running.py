@@ -8,7 +8,6 @@ import typer
 from ltcgear.generated.errors import LtcgearError, SolverError
 
 from .. import present
-from ..attributes import GOES_ON
 from ..options import (
     Accuracy,
     AsJson,
@@ -56,9 +55,9 @@ def simulate(
     finished(summary)
 
 
-def finished(summary: dict[str, Any], resumable: bool = True) -> None:
+def finished(summary: dict[str, Any]) -> None:
     """Stop with the reason, where a simulation did not reach its end."""
-    status = summary["status"] if resumable else summary["status"].removesuffix(f"; {GOES_ON}")
+    status = summary["status"]
     if status != "done":
         raise (InterruptedRunError if status.startswith("interrupted") else SolverError)(status)
 
