@@ -136,9 +136,7 @@ def _frequency(name: str, meshes: Mapping[str, float], turns: Mapping[str, float
     return total
 
 
-def count_chance(
-    meshes: Mapping[str, float], turns: Mapping[str, float], modes: Sequence["Mode"]
-) -> dict[str, float]:
+def count_chance(meshes: Mapping[str, float], turns: Mapping[str, float], modes: Sequence["Mode"]) -> dict[str, float]:
     """Count how much is explained by chance: how many of all frequencies between the printed lines would be.
 
     Returns
