@@ -41,7 +41,9 @@ def paper(
     from ..paper.page import check_page
     from ..plots import overview_figure, paper_figures
     from ..results import load, make_folder
+    from ..simulation import check_options
 
+    check_options(method, 1e-6, t_end)
     if not t_end >= SHORTEST_PAPER:
         raise LtcgearError(f"--t-end {t_end:g}: the paper's tables need {SHORTEST_PAPER} s at least")
     if not quick:

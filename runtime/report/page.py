@@ -186,9 +186,16 @@ def _film(track: Track, stages: list[dict[str, Any]], windows: list[Window], fac
         "ratio": track.ratio.tolist(),
         "bodies": track.bodies,
         "meshes": track.meshes,
+        "chosen": _leader(track),
         "windows": [pack(track, window) | {"pace": _pace(window, track)} for window in windows],
         "panels": panels,
     }
+
+
+def _leader(track: Track) -> str | None:
+    """Return the mesh that is shown first: the first one that carries half of what any carries."""
+    carried = np.abs(track.force).mean(axis=0) if track.meshes else np.zeros(0)
+    return next((mesh for mesh, own in zip(track.meshes, carried, strict=True) if own >= carried.max() / 2), None)
 
 
 def _only(keys: tuple[str, ...], table: dict[str, Any]) -> dict[str, Any]:

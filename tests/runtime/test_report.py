@@ -254,3 +254,9 @@ def test_without_jinja2_the_command_says_what_to_install(refused, psh, monkeypat
     err = refused("report", psh[0], "-o", tmp_path / "page.html")
     assert "pip install 'ltcgear[report]'" in err
     assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(("scene", "mesh"), [("start-up", "pair.mesh.back"), ("psh", "psh.mesh")])
+def test_the_mesh_that_is_shown_first_carries(tmp_path, scene, mesh):
+    text = make_page(simulate_into(tmp_path, scene, 0.05), modes=False)
+    assert f'"chosen":"{mesh}"' in text.replace(" ", "")

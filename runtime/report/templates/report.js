@@ -19,7 +19,7 @@
     }
     return opened.get(window.name);
   }
-  let shown = open(film.windows[0]), frame = 0, place = 0, factor = film.factor, chosen = film.meshes[0];
+  let shown = open(film.windows[0]), frame = 0, place = 0, factor = film.factor, chosen = film.chosen ?? undefined;
   const index = (names) => new Map(names.map((name, k) => [name, k]));
   const rotors = index(film.rotors), bodies = index(film.bodies), meshes = index(film.meshes);
   const read = (table, k, i) => table.middle[k] + table.step[k] * table.data[k * shown.count + i];
