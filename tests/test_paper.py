@@ -282,3 +282,9 @@ def test_quick_needs_no_page(run, monkeypatch, tmp_path):
     names = {path.name for path in tmp_path.iterdir()}
     assert "paper.html" not in names
     assert "rig-2mw-fitted.nc" not in names
+
+
+def test_a_refused_run_leaves_no_folder(refused, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert "method" in refused("paper", "--quick", "--method", "foo")
+    assert list(tmp_path.iterdir()) == []

@@ -43,9 +43,9 @@ def paper(
     from ..results import load, make_folder
     from ..simulation import check_options
 
-    check_options(method, 1e-6, t_end)
     if not t_end >= SHORTEST_PAPER:
         raise LtcgearError(f"--t-end {t_end:g}: the paper's tables need {SHORTEST_PAPER} s at least")
+    check_options(method, 1e-6, t_end)
     if not quick:
         check_page()
         _full_torque(changes)
