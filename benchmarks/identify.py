@@ -34,8 +34,10 @@ from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import SHIPPED, load_scene
 
+from .marks import put
+
 ROOT = Path(__file__).resolve().parents[1]
-PAGE, BEGIN, END = ROOT / "docs" / "rig.md", "<!-- {} -->\n", "<!-- end {} -->\n"
+PAGE = ROOT / "docs" / "rig.md"
 RECORD = ROOT / "runtime" / "published" / "fitted.json"
 SCENE, FITTED = "rig-2mw", "rig-2mw-fitted"
 SPAN = Span(1.0, 0.5)
@@ -302,15 +304,6 @@ def mode_table(data: dict[str, Any]) -> str:
     return text
 
 
-def put(parts: dict[str, str]) -> None:
-    """Put tables between the marks of the page."""
-    text = PAGE.read_text("utf-8")
-    for name, part in parts.items():
-        before, rest = text.split(BEGIN.format(name))
-        text = before + BEGIN.format(name) + part + END.format(name) + rest.split(END.format(name))[1]
-    PAGE.write_text(text, "utf-8")
-
-
 def tell_modes(data: dict[str, Any]) -> list[dict[str, Any]]:
     """List the lowest eigenfrequencies with their standard deviations before the fit and after it [Hz]."""
     rig, z = kept_place(data)
@@ -362,7 +355,7 @@ def finish(data: dict[str, Any]) -> None:
     data["modes"] = tell_modes(data)
     data["table9"] = tell_loads(datasets, LONG / 2)
     RECORD.write_text(json.dumps(data, indent=1) + "\n", "utf-8")
-    put({"loads": load_table(data), "fit": fit_table(data), "modes": mode_table(data)})
+    put(PAGE, {"loads": load_table(data), "fit": fit_table(data), "modes": mode_table(data)})
 
 
 def main() -> None:

@@ -31,10 +31,10 @@ from ltcgear.symbolic.scene import load_scene
 from ltcgear.symbolic.schema import Scene
 
 from .growth.scenes import stage_keys
+from .marks import put
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE, DATA, FIGURE = DOCS / "modes.md", DOCS / "data" / "modes.json", DOCS / "images" / "modes-rig.png"
-BEGIN, END = "<!-- {} -->\n", "<!-- end {} -->\n"
 STAGES, PLANETS, FEW, ROUNDS = 15, 12, 40, 5
 DRAWN = [1, 2, 3, 5, 10, 35]
 """Modes of the figure: one of each kind of motion."""
@@ -172,22 +172,13 @@ def time_table(data: dict[str, Any]) -> str:
     return text
 
 
-def put(parts: dict[str, str]) -> None:
-    """Put tables between the marks of the page."""
-    text = PAGE.read_text("utf-8")
-    for name, part in parts.items():
-        before, rest = text.split(BEGIN.format(name))
-        text = before + BEGIN.format(name) + part + END.format(name) + rest.split(END.format(name))[1]
-    PAGE.write_text(text, "utf-8")
-
-
 def main() -> None:
     """Compute and measure, write page, data and figure."""
     scene, linear, modes = rig()
     draw_shapes(linear, modes, DRAWN, scene.title, FIGURE)
     data = measure()
     DATA.write_text(json.dumps(data, indent=1) + "\n", "utf-8")
-    put({
+    put(PAGE, {
         "list": list_table(modes), "lines": line_table(scene, modes), "explained": explained(scene),
         "times": time_table(data),
     })  # fmt: skip

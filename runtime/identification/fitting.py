@@ -56,21 +56,6 @@ class Fit:
     runs: int
     message: str
 
-    @property
-    def covariance(self) -> Vector:
-        """Return the covariance of z with the targets known (linearised); without any it is the unit matrix."""
-        return np.asarray(np.linalg.inv(self.jacobian.T @ self.jacobian + np.eye(len(self.z))))
-
-    @property
-    def narrowing(self) -> Vector:
-        """Return the standard deviations of z that are left, of 1 before: near 1 the targets say nothing of it."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
-
-    @property
-    def determined(self) -> float:
-        """Return how many numbers the targets determine (degrees of freedom for signal; Rodgers 2000)."""
-        return float(len(self.z) - np.trace(self.covariance))
-
 
 def fit(
     library: Library, values: Values, unknowns: list[Unknown], targets: list[Target], span: Span,
