@@ -43,15 +43,15 @@ site: .venv/docs
 	$(PYTHON) -m venv .venv
 
 .venv/rig: .venv/bin/python pyproject.toml hatch_build.py
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[report]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[report,sweep]'
 	@touch $@
 
 .venv/test: .venv/bin/python pyproject.toml hatch_build.py
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test,report]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[test,report,sweep]'
 	@touch $@ .venv/rig
 
 .venv/docs: .venv/bin/python pyproject.toml hatch_build.py
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs,sweep]'
 	@touch $@ .venv/rig
 
 clean:
