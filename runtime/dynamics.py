@@ -25,6 +25,8 @@ Vector = NDArray[np.float64]
 
 ON_BORDER = 1e-8
 """How close to a border counts as on it, over what vibrations of usual size change its indicator by."""
+INSTANT, ROUNDED = 1e-13, 256 * np.finfo(float).eps
+"""Time [s], and share of the time passed, within which a border counts as reached: what solvers find roots to."""
 BRIEF = 1e-6
 """Part of the time in which a state changes by its size, over which it is seen whether a border is approached."""
 
@@ -312,29 +314,27 @@ class Dynamics:
         if not state.sided:
             arrays["sides"][:] = self._indicators(t) > 0
             state.sided = 1
-        near = ON_BORDER * self._indicator_size
-        signed = self._indicators(t)
-        beyond = signed < -near
-        on = np.abs(signed) <= near
-        if on.any():
-            beyond[on] = (self._indicators_ahead(t) < signed)[on]
-        arrays["sides"][beyond] ^= True
+        signed, slope = self._indicators(t), self._indicator_rates(t)
+        # A root in time is found no better than times are told apart, however fast it is crossed.
+        near = np.maximum(ON_BORDER * self._indicator_size, np.abs(slope) * (INSTANT + ROUNDED * abs(t)))
+        arrays["sides"][(signed < -near) | ((signed <= near) & (slope < 0))] ^= True
 
     def _indicators(self, t: float) -> Vector:
         """Return the indicators of regimes at the state that was given last."""
         self._engine.ltcgear_dynamics_borders(self._address, t)
         return self._arrays["distances"][: self._state.n_holds].copy()
 
-    def _indicators_ahead(self, t: float) -> Vector:
-        """Return the indicators a short time ahead."""
+    def _indicator_rates(self, t: float) -> Vector:
+        """Return the rates of the indicators with the sides that are held, by a difference over a short time."""
         self._run(self._address, t)
         x, rate = self._arrays["x"].copy(), self._rate
         size = np.maximum(np.abs(x - self._equilibrium.x), self._scale)
         step = BRIEF * float(np.min(size / np.maximum(np.abs(rate), 1e-300)))
+        first = self._indicators(t)
         self._arrays["x"][:] += step * rate
         ahead = self._indicators(t + step)
         self._arrays["x"][:] = x
-        return ahead
+        return np.asarray((ahead - first) / step)
 
     @cached_property
     def _scale(self) -> Vector:
