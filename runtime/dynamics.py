@@ -14,9 +14,9 @@ from .arguments import read_numbers, read_time
 from .callee import Callee
 from .equilibrium import Equilibrium, find_equilibrium
 from .library import Library
-from .scaling import vibration_scale
+from .scaling import fastest, vibration_scale
 from .signals import Pairs, Signals
-from .switching import Phases, cells_of
+from .switching import AT_BORDER, Phases, cells_of
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
@@ -27,10 +27,8 @@ ON_BORDER = 1e-8
 """How close to a border counts as on it, over what vibrations of usual size change its indicator by."""
 INSTANT, ROUNDED = 1e-13, 256 * np.finfo(float).eps
 """Time [s], and share of the time passed, within which a border counts as reached: what solvers find roots to."""
-BRIEF = 1e-6
-"""Part of the time in which a state changes by its size, over which it is seen whether a border is approached."""
-
-
+BRIEF, STEPS = 1e-2, 4
+"""Steps, as angles of the fastest vibration [rad], by which it is seen whether a border is approached."""
 NAMES = {"x": "Dynamics.states", "p": "Dynamics.parameters"}
 """Where a user reads what the numbers of an argument are."""
 
@@ -304,7 +302,7 @@ class Dynamics:
         if not self._state.held:
             raise LtcgearError("borders are those of what is held: call hold(t, x) first")
         self._call("borders", t, x, p)
-        return self._arrays["distances"][: len(self.events)].copy()
+        return np.asarray(self._arrays["distances"][: len(self.events)] + self._slack)
 
     def _choose_sides(self, t: float) -> None:
         """Take the sides of regimes: those of before, unless the state is beyond a border, or on it and goes beyond."""
@@ -316,7 +314,7 @@ class Dynamics:
             state.sided = 1
         signed, slope = self._indicators(t), self._indicator_rates(t)
         # A root in time is found no better than times are told apart, however fast it is crossed.
-        near = np.maximum(ON_BORDER * self._indicator_size, np.abs(slope) * (INSTANT + ROUNDED * abs(t)))
+        near = np.maximum(2 * self._slack[: state.n_holds], np.abs(slope) * (INSTANT + ROUNDED * abs(t)))
         arrays["sides"][(signed < -near) | ((signed <= near) & (slope < 0))] ^= True
 
     def _indicators(self, t: float) -> Vector:
@@ -325,33 +323,38 @@ class Dynamics:
         return self._arrays["distances"][: self._state.n_holds].copy()
 
     def _indicator_rates(self, t: float) -> Vector:
-        """Return the rates of the indicators with the sides that are held, by a difference over a short time."""
-        self._run(self._address, t)
-        x, rate = self._arrays["x"].copy(), self._rate
-        size = np.maximum(np.abs(x - self._equilibrium.x), self._scale)
-        step = BRIEF * float(np.min(size / np.maximum(np.abs(rate), 1e-300)))
-        first = self._indicators(t)
-        self._arrays["x"][:] += step * rate
-        ahead = self._indicators(t + step)
-        self._arrays["x"][:] = x
-        return np.asarray((ahead - first) / step)
+        """Return the rates of the indicators with the sides that are held, by a difference over a short time.
+
+        The state goes on by midpoint steps: a motion from rest under a load that rises leaves with the third power of
+        time.
+        """
+        x, first, step = self._arrays["x"], self._indicators(t), BRIEF / self._fastest
+        start = x.copy()
+        for k in range(STEPS):
+            before = x.copy()
+            for part in (0.5, 1.0):
+                self._run(self._address, t + (k + part - 0.5) * step)
+                x[:] = before + part * step * self._rate
+        ahead = self._indicators(t + STEPS * step)
+        x[:] = start
+        return np.asarray((ahead - first) / (STEPS * step))
 
     @cached_property
-    def _scale(self) -> Vector:
-        """Return the size of vibrations in each state."""
-        return vibration_scale(self.library, self._equilibrium, self._given)
+    def _fastest(self) -> float:
+        """Return the rate of the fastest vibration [1/s]."""
+        return fastest(self.library, self._equilibrium, self._given)
 
     @cached_property
-    def _indicator_size(self) -> Vector:
-        """Return what vibrations of usual size change the indicators by, about the present state."""
-        x, t = self._arrays["x"].copy(), float(self._state.base)
-        first, moved = self._indicators(t), []
-        for i, scale in enumerate(self._scale):
-            self._arrays["x"][:] = x
-            self._arrays["x"][i] += scale
+    def _slack(self) -> Vector:
+        """Return how far beyond its border an event lies: what rests on a border does not cross it."""
+        x, t, moved = self._arrays["x"], float(self._state.base), []
+        start, first = x.copy(), self._indicators(t)
+        for i, scale in enumerate(vibration_scale(self.library, self._equilibrium, self._given)):
+            x[i] += scale
             moved.append(np.abs(self._indicators(t) - first))
-        self._arrays["x"][:] = x
-        return np.asarray(np.max(moved, axis=0))
+            x[i] = start[i]
+        slack = ON_BORDER * np.max(moved, axis=0)
+        return np.concatenate([slack, np.full(len(self.events) - len(slack), AT_BORDER / 2)])
 
     def _course(self, t: float) -> Vector:
         """Return tau [cycles], rate [1/s] and share of the mesh phases, shape (3, meshes)."""
