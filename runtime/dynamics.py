@@ -101,12 +101,8 @@ class Dynamics:
         self.p = self._given.copy()
         self._signals = Signals(manifest.signals, self._tables)
         self._callee = callee = Callee()
-        self._state, self._arrays, self._engine, self._address = (
-            callee.state,
-            callee.arrays,
-            callee.engine,
-            callee.address,
-        )
+        self._state, self._address = callee.state, callee.address
+        self._arrays, self._engine = callee.arrays, callee.engine
         self._lay_out()
         self._bind()
         self._x, self._p = (memoryview(self._arrays[name].data) for name in "xp")
@@ -127,12 +123,7 @@ class Dynamics:
 
     def _lay_out(self) -> None:
         """Give the C its sizes, what stays, and room to work in."""
-        state, share, manifest, functions = (
-            self._state,
-            self._callee.share,
-            self.library.manifest,
-            self.library.functions,
-        )
+        state, share, manifest = self._state, self._callee.share, self.library.manifest
         n, meshes, holds, signals = (
             len(part) for part in (manifest.states, manifest.levels, manifest.holds, manifest.signals)
         )
@@ -145,7 +136,7 @@ class Dynamics:
         share("values", np.concatenate([np.zeros(0), *(value for _, value in tables)]))
         share("sloping", self._signals.sloping)
         share("hold_index", [self.parameters.index(hold) for hold in manifest.holds])
-        rows, columns = map(np.array, functions["jac_rhs"].sparsity_out(0).get_triplet())
+        rows, columns = map(np.array, self.library.functions["jac_rhs"].sparsity_out(0).get_triplet())
         state.n_entries = len(rows)
         share("place_of", rows * n + columns)
         sizes: dict[str, Any] = {
@@ -301,8 +292,9 @@ class Dynamics:
         """Return how far a state is from the borders of ``events``, positive inside what is held, shape (events,)."""
         if not self._state.held:
             raise LtcgearError("borders are those of what is held: call hold(t, x) first")
+        slack = self._slack  # found with the C's own arrays, so before the state is given
         self._call("borders", t, x, p)
-        return np.asarray(self._arrays["distances"][: len(self.events)] + self._slack)
+        return np.asarray(self._arrays["distances"][: len(self.events)] + slack)
 
     def _choose_sides(self, t: float) -> None:
         """Take the sides of regimes: those of before, unless the state is beyond a border, or on it and goes beyond."""
