@@ -59,8 +59,8 @@ class Dynamics:
     (teeth that part, races that are reached) follow the state x: the right-hand side then jumps or bends where they
     change. ``hold`` keeps them, so that a solver meets smooth functions only, and tells when to hold anew.
 
-    An object belongs to one thread at a time, since its calls share memory; make one for each thread. Making it, ``x0``
-    and the first ``hold`` use CasADi, which serves one thread only; all other calls let other threads run.
+    An object belongs to one thread at a time, since its calls share memory; make one for each thread. Making it, ``x0``,
+    ``sizes`` and the first ``hold`` use CasADi, which serves one thread only; all other calls let other threads run.
 
     Parameters
     ----------
@@ -256,6 +256,11 @@ class Dynamics:
         """Return the loaded equilibrium for ``values``, where ``simulate`` starts; SolverError where there is none."""
         return self._equilibrium.x.copy()
 
+    @cached_property
+    def sizes(self) -> Vector:
+        """Return the size of vibrations in each state, shape (n,): ``atol = rtol * sizes`` weighs all alike."""
+        return vibration_scale(self.library, self._equilibrium, self._given)
+
     def hold(self, t: float, x: Vector, p: Vector | None = None) -> float:
         """Hold levels, regimes and the slopes of load signals as they are from now on.
 
@@ -341,7 +346,7 @@ class Dynamics:
         """Return how far beyond its border an event lies: what rests on a border does not cross it."""
         x, t, moved = self._arrays["x"], float(self._state.base), []
         start, first = x.copy(), self._indicators(t)
-        for i, scale in enumerate(vibration_scale(self.library, self._equilibrium, self._given)):
+        for i, scale in enumerate(self.sizes):
             x[i] += scale
             moved.append(np.abs(self._indicators(t) - first))
             x[i] = start[i]
