@@ -59,8 +59,9 @@ class Dynamics:
     (teeth that part, races that are reached) follow the state x: the right-hand side then jumps or bends where they
     change. ``hold`` keeps them, so that a solver meets smooth functions only, and tells when to hold anew.
 
-    An object belongs to one thread at a time, since its calls share memory; make one for each thread. Making it, ``x0``,
-    ``sizes`` and the first ``hold`` use CasADi, which serves one thread only; all other calls let other threads run.
+    An object belongs to one thread at a time, since its calls share memory; make one for each thread. Making it,
+    ``x0``, ``sizes`` and the first ``hold`` use CasADi, which serves one thread only; all other calls let other threads
+    run.
 
     Parameters
     ----------

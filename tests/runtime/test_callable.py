@@ -128,6 +128,11 @@ CASES = {
     "loads over time and regimes": ("psh", RATTLE, None),
     "free train": ("psh", FREE, None),
     "free train that turns back": ("psh", TURNS_BACK, None),
+    "teeth that just touch, at rest": (
+        "psh",
+        (*GAP, 'loads.output.torque = "0 N*m"', 'loads.input.speed = "0 rpm"'),
+        0,
+    ),
     "teeth that just touch, torque": ("psh", (*GAP, *torque((0, 0), (20, 1000))), 0),
     "teeth that just touch, ramp": ("psh", (*GAP, *RAMP, 'loads.output.torque = "0 N*m"'), 0),
 }
