@@ -37,6 +37,13 @@ RATTLE = (
     '["20 ms", "1100 rpm"]]',
 )
 """Loads that change their sign, a speed that turns back: all that is not smooth, at once."""
+RACES = (
+    'effects.bearing_clearance = "on"',
+    'stages.psh.input.bearing.clearance = "50 um"',
+    'stages.psh.output.bearing.clearance = "80 um"',
+    *GAP,
+    *torque((0, -137), (3, 250), (7, -290), (11, 40), (20, -200)),
+)
 
 
 def opened(name, *settings):
@@ -126,6 +133,7 @@ def test_jacobian_is_the_difference_quotient(name, settings):
 CASES = {
     "levels": ("psh", (), 0),
     "loads over time and regimes": ("psh", RATTLE, None),
+    "races and teeth": ("psh", RACES, None),
     "free train": ("psh", FREE, None),
     "free train that turns back": ("psh", TURNS_BACK, None),
     "teeth that just touch, at rest": (
