@@ -151,7 +151,7 @@ def test_solve_ivp_has_the_march_s_forces(which):
     name, settings, wanted = CASES[which]
     c, dynamics = opened(name, *settings)
     path = c.run(method="erk", rtol=1e-9, t_end=0.02, rate=5000.0)
-    options = {"method": "DOP853", "rtol": 1e-8, "atol": 1e-8 * dynamics.sizes}
+    options = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-10 * dynamics.sizes}
     outputs, events = march(dynamics, dynamics.x0, path.time, **options)
     forces = c.mesh_forces(path)
     assert np.abs(outputs[:, dynamics.columns("mesh_force")] - forces).max() <= 1e-6 * np.abs(forces).max()
