@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
+    "Dynamics": "dynamics",
     "build": "library",
     "describe_modes": "linear.naming",
     "differentiate_modes": "linear.sensitivity",

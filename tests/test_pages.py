@@ -299,6 +299,20 @@ def test_the_page_of_ensembles_tells_what_was_measured(benchmarks):
         assert ensemble.least(found, "several", "cpu") < 1.15 * ensemble.least(found, "one", "cpu")
 
 
+# --- your own solver
+
+
+def test_the_page_of_calls_tells_what_was_measured(benchmarks):
+    page, marks = benchmarks("callable"), benchmarks("marks")
+    data = json.loads(page.DATA.read_text("utf-8"))
+    assert marks.take(page.PAGE, "overhead") == page.scene_table(data)
+    assert marks.take(page.PAGE, "ways") == page.way_table(data)
+    assert tuple(data["scenes"]) == page.SCENES
+    for found in data["scenes"].values():
+        assert 0 < page.overhead(found) < 1500  # ns, as measured then
+        assert page.overhead(found, "held") < page.overhead(found, "kernel")
+
+
 # --- modes
 
 
