@@ -96,11 +96,12 @@ int main(int count, char **arguments) {
   const ltcgear_model *model = &ltcgear_scene;
   double t_end = model->t_end, *room;
   int first = count > 1 && read_number(arguments[1], &t_end) ? 2 : 1, code = 0;
-  if (!(t_end > 0 && t_end < 1e7)) return refuse(arguments[1], "must be a time in seconds, greater than zero and below 1e7");
+  if (!(t_end * model->rate >= 1 && t_end < 1e7)) return refuse(arguments[1], "give a time of one sample to 1e7 s");
   ltcgear_run *run = ltcgear_create(model, 1e-6);
   room = calloc(3 * (size_t)model->n_forces + 1, sizeof *room);
   if (!run || !room) code = refuse(model->name, "there is no memory left");
   for (int i = first; !code && i < count; ++i) code = set_parameter(run, model, arguments[i]);
+  t_end = round(t_end * model->rate) / model->rate; /* that of the last sample */
   if (!code) {
     gathered g = {model, t_end / 2, 0, room, room + model->n_forces, room + 2 * model->n_forces};
     for (ltcgear_whole i = 0; i < model->n_forces; ++i) g.least[i] = INFINITY, g.most[i] = -INFINITY;
