@@ -45,10 +45,8 @@ def _tables() -> str:
     """Write what Python and C share: constants, texts of faults, and numbers that a saved march has."""
     kept = " ".join(f"X({name})" for name, kind, role in FIELDS if role == "kept" and kind in ("whole", "real"))
     faults = "".join(f'    "{text}",\n' for text in FAULTS)
-    shares = ", ".join(map(repr, equilibrium.PULLS))
     return "\n".join([
         *(f"#define {name} {float(value)!r}" for name, value in CONSTANTS.items()),
-        f"#define PULL_SHARES {shares}",
         f"#define KEPT_NUMBERS(X) {kept}",
         f"static const char *const FAULT[] = {{\n{faults}}};\n",
     ])  # fmt: skip
