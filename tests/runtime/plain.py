@@ -13,6 +13,7 @@ from ltcgear.runtime.plain.kit import write_kit
 
 from .models import Case
 
+UNUSED = ("-Wno-unused-parameter",)  # CasADi's functions have arguments that they do not use
 STRICT = ("-std=c11", "-Wall", "-Wextra", "-Werror")
 SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 TAKER = ctypes.CFUNCTYPE(
@@ -29,24 +30,25 @@ def write(found: Case, folder: Path) -> Path:
     return folder
 
 
-def compiled(folder: Path, name: str, *flags: str, sources: str = "*.c") -> Path:
-    """Compile a folder's C; any warning is an error. The equations are not optimised: that takes long."""
+def compiled(folder: Path, name: str, *flags: str, main: str | None = "main.c") -> Path:
+    """Compile a folder's C, each file once; any warning is an error. Optimising the equations would take long."""
     compiler = store.compiler()
     if compiler is None:
         pytest.skip("no C compiler here")
     objects = []
-    for source in sorted(folder.glob(sources)):
-        if name.endswith(".so") and source.name == "main.c":
-            continue
-        objects.append(folder / f"{name}-{source.stem}.o")
-        level = ("-O0", "-Wno-unused-parameter") if source.name == "model.c" else ("-O2",)
-        command = [compiler.path, *STRICT, *level, *flags, "-c", source, "-o", objects[-1]]
-        done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stderr) == (0, "")
-    link = [compiler.path, *flags, *objects, "-o", folder / name, "-lm"]
-    done = subprocess.run([str(part) for part in link], capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
+    for source in filter(None, ("model.c", "data.c", "ltcgear.c", main)):
+        objects.append(folder / f"{store.digest(flags)[:8]}-{source}.o")
+        level = ("-O0", *UNUSED) if source == "model.c" else ("-O1" if "-g" in flags else "-O2",)
+        if not objects[-1].exists():
+            call(compiler.path, *STRICT, *level, *flags, "-c", folder / source, "-o", objects[-1])
+    call(compiler.path, *flags, *objects, "-o", folder / name, "-lm")
     return folder / name
+
+
+def call(*command: str | Path) -> None:
+    """Run a compiler, which may say nothing."""
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def program(folder: Path, *flags: str) -> Path:
@@ -56,7 +58,7 @@ def program(folder: Path, *flags: str) -> Path:
 
 def library(found: Case, folder: Path) -> "Plain":
     """Build a library of a case."""
-    return Plain(compiled(write(found, folder), "gearbox.so", "-fPIC", "-shared"))
+    return Plain(compiled(write(found, folder), "gearbox.so", "-fPIC", "-shared", main=None))
 
 
 def execute(path: Path, *arguments: str, code: int = 0) -> tuple[str, str]:
