@@ -150,6 +150,13 @@ def forces_of(out):
     return {mesh: row[0] for mesh, row in forces(out).items()}
 
 
+def test_a_run_without_end_is_refused(place):
+    out, err = execute(program(write(case("hard-tiny-inertia"), place("tiny"))), "10", code=1)
+    assert out == ""
+    assert "one motion is so fast that" in err
+    assert len(err.splitlines()) == 1
+
+
 def test_parts_have_their_closed_forms(start_up):
     folder = start_up[2]
     (folder / "parts.c").write_text((Path(__file__).parent / "plain_parts.c").read_text("utf-8"), "utf-8")
