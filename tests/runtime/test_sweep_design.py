@@ -21,7 +21,8 @@ UNITS = st.sampled_from(["", "um", "rpm", "N*m/rad", "1/s"])
 @st.composite
 def ranges(draw, count=None):
     low, high = sorted(draw(st.lists(NUMBERS, min_size=2, max_size=2, unique=True)))
-    return Axis(draw(st.sampled_from(["a", "stages.lsp.x"])), low, high, draw(UNITS), None if count is None else draw(count))
+    points = None if count is None else draw(count)
+    return Axis(draw(st.sampled_from(["a", "stages.lsp.x"])), low, high, draw(UNITS), points)
 
 
 @given(ranges(st.none() | st.integers(2, 50)))
