@@ -8,11 +8,12 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from ..analysis.drawing import HEIGHT, WIDTH, dash_of, label_axes, open_axes, scale_of, style_of
-from ..analysis.spectrum_figures import draw_waterfall
+from ..analysis.drawing import HEIGHT, WIDTH, dash_of, label_axes, scale_of, style_of
+from ..analysis.spectrum_figures import ROWS, draw_waterfall
 from ..analysis.waterfall import Waterfall
 from ..plots import BLUE, ORANGE, finish_axes, make_canvas
 from ..spectra import noise_bandwidth
+from ..statistics import group_of
 from .axes import Axis
 from .influence import Influence, find_influences
 from .reading import FloatArray, Numbers, choose_shown, design_of, is_done, list_numbers, list_spectra
@@ -25,9 +26,11 @@ if TYPE_CHECKING:
 PANELS = 4
 """Maps and groups of bars that a figure has at most."""
 BINS = 40
+SHIFT = 0.06
+"""Distance of points that belong to one word [distance of words]."""
 HARMONICS = 3
 """Harmonics of each mesh that are drawn over a waterfall."""
-CLOSE = 12.0
+CLOSE = 4.0
 """Multiples of the highest mesh frequency up to which a waterfall is drawn."""
 
 
@@ -83,11 +86,26 @@ def _numbers_of(dataset: Dataset, metric: str) -> list[Numbers]:
     ]
 
 
-def _scaled(numbers: list[Numbers]) -> tuple[list[FloatArray], str, str]:
-    """Return values in a handy unit, what they are, and the unit in brackets."""
-    largest = max((float(np.nanmax(np.abs(one.values))) for one in numbers if np.isfinite(one.values).any()), default=0)
-    size, unit = scale_of(numbers[0].unit, largest)
-    return [one.values / size for one in numbers], numbers[0].words, f"[{unit}]"
+def _grouped(numbers: list[Numbers]) -> list[list[Numbers]]:
+    """Return numbers by the group of their items, ``lsp.sun_planet``, the first few groups."""
+    groups: dict[str, list[Numbers]] = {}
+    for one in numbers:
+        groups.setdefault(group_of(one.item), []).append(one)
+    some = [[one for one in own if np.isfinite(one.values).any()] for own in groups.values()]
+    return [own for own in some if own][:PANELS]
+
+
+def _scaled(numbers: list[Numbers]) -> tuple[list[FloatArray], str]:
+    """Return values in a handy unit, and what an axis says of them."""
+    size, unit = scale_of(numbers[0].unit, max(float(np.nanmax(np.abs(one.values))) for one in numbers))
+    metric = numbers[0].metric
+    name = metric if ":" in metric else metric.replace("_", " ")
+    return [one.values / size for one in numbers], f"{name} [{unit}]"
+
+
+def _title(words: str) -> str:
+    """Return words with a capital first."""
+    return words[:1].upper() + words[1:]
 
 
 def _varied(dataset: Dataset, axis: Axis) -> str:
@@ -106,35 +124,38 @@ def draw_distribution(dataset: Dataset, metric: str) -> Figure:
     metric
         A variable with a number or with items.
     """
-    numbers = _numbers_of(dataset, metric)
-    values, words, unit = _scaled(numbers)
-    kept = [one[np.isfinite(one)] for one in values]
-    figure = make_canvas(1.3 * WIDTH, HEIGHT)
-    counted, summed = figure.subplots(1, 2)
-    every = np.concatenate(kept)
-    edges = np.histogram_bin_edges(every, min(BINS, max(8, int(np.sqrt(every.size / len(kept))) * 2)))
-    for number, (one, some) in enumerate(zip(numbers, kept, strict=True)):
-        colour, dash = _style(number, len(numbers))
-        counted.stairs(np.histogram(some, edges)[0], edges, color=colour, ls=dash, lw=1.2)
-        places, label = np.sort(some), one.item or metric
-        summed.step(places, np.arange(1, some.size + 1) / max(some.size, 1), dash, color=colour, lw=1.2, label=label,
-                    where="post")  # fmt: skip
-    label_axes(counted, words.capitalize(), f"{_metric_name(metric)} {unit}", "runs")
-    label_axes(summed, _told(dataset), f"{_metric_name(metric)} {unit}", "share of runs below [1]")
-    for axes in (counted, summed):
-        finish_axes(axes)
+    groups = _grouped(_numbers_of(dataset, metric))
+    figure = make_canvas(1.3 * WIDTH, HEIGHT * (0.2 + 0.8 * len(groups)))
+    for own, (counted, summed) in zip(groups, figure.subplots(len(groups), 2, squeeze=False), strict=True):
+        _draw_spread(counted, summed, own)
+    for axes, title in zip(figure.axes, (_title(groups[0][0].words), _told(dataset)), strict=False):
+        axes.set_title(title, loc="left", fontsize=11)
     return figure
 
 
-def _metric_name(metric: str) -> str:
-    """Return a metric's name for an axis."""
-    return metric.replace("_", " ") if ":" not in metric else metric
+def _draw_spread(counted: Axes, summed: Axes, own: list[Numbers]) -> None:
+    """Draw the histograms of a group and their sums."""
+    values, label = _scaled(own)
+    kept = [some[np.isfinite(some)] for some in values]
+    runs = max(some.size for some in kept)
+    edges = np.histogram_bin_edges(np.concatenate(kept), min(BINS, max(8, 2 * int(np.sqrt(runs)))))
+    for number, (one, some) in enumerate(zip(own, kept, strict=True)):
+        style = _style(number, len(own))
+        counted.stairs(np.histogram(some, edges)[0], edges, **style)
+        places = np.sort(some)[[0, *range(some.size)]]
+        share = np.arange(some.size + 1) / some.size
+        summed.step(places, share, label=one.item or one.metric, where="post", **style)
+    label_axes(counted, "", label, "runs")
+    label_axes(summed, "", label, "share of runs below [1]")
+    for axes in (counted, summed):
+        finish_axes(axes)
 
 
-def _style(number: int, count: int) -> tuple[str, str]:
-    """Return colour and dash of one of some curves; opposite planets may lie on each other, so one half is dashed."""
+def _style(number: int, count: int) -> dict[str, Any]:
+    """Return how one of some curves is drawn: opposite planets may lie on each other, so one is thin and dashed."""
     colour, dash = style_of(number)
-    return colour, dash if count > 6 else dash_of(number, count)
+    dash = dash if count > 6 else dash_of(number, count)
+    return {"color": colour, "ls": dash, "lw": 1.2 if dash == "--" or count < 3 else 2.2}
 
 
 def _told(dataset: Dataset) -> str:
@@ -148,18 +169,22 @@ def _told(dataset: Dataset) -> str:
 def draw_response(dataset: Dataset, metric: str) -> Figure:
     """Draw a metric over the one axis that is varied, a line for each item."""
     axis = design_of(dataset).axes[0]
-    numbers = _numbers_of(dataset, metric)
-    values, words, unit = _scaled(numbers)
-    figure, axes = open_axes(words.capitalize(), _varied(dataset, axis), f"{_metric_name(metric)} {unit}")
+    groups = _grouped(_numbers_of(dataset, metric))
+    figure = make_canvas(WIDTH, HEIGHT * (0.3 + 0.7 * len(groups)))
     place, ticks = _places(dataset, axis)
-    for number, (one, some) in enumerate(zip(numbers, values, strict=True)):
-        colour, dash = _style(number, len(numbers))
-        line = "none" if ticks else dash
-        axes.plot(place, some, ls=line, color=colour, lw=1.2, marker=".", ms=9 if ticks else 4,
-                  label=one.item or metric)  # fmt: skip
-    if ticks:
-        axes.set_xticks(place, ticks)
-    finish_axes(axes)
+    for panel, (own, axes) in enumerate(zip(groups, figure.subplots(len(groups), 1, squeeze=False).flat, strict=True)):
+        values, label = _scaled(own)
+        for number, (one, some) in enumerate(zip(own, values, strict=True)):
+            style = _style(number, len(own))
+            if ticks:  # words side by side, since their points would hide each other
+                style |= {"ls": "none", "ms": 9.0}
+            shift = SHIFT * (number - 0.5 * (len(own) - 1)) if ticks else 0.0
+            axes.plot(place + shift, some, marker=".", label=one.item or metric, **style)
+        if ticks:
+            axes.set_xticks(place, ticks)
+        title = "" if panel else _title(own[0].words)
+        label_axes(axes, title, _varied(dataset, axis) if panel == len(groups) - 1 else "", label)
+        finish_axes(axes)
     return figure
 
 
@@ -175,8 +200,9 @@ def draw_map(dataset: Dataset, metric: str) -> Figure:
     """Draw a metric over the two axes that are varied, a panel for each item, those that vary most."""
     design = design_of(dataset)
     one, other = design.axes
-    numbers = sorted(_numbers_of(dataset, metric), key=lambda number: -_span(number.values))[:PANELS]
-    values, words, unit = _scaled(numbers)
+    known = [one for one in _numbers_of(dataset, metric) if np.isfinite(one.values).any()]
+    numbers = sorted(known, key=lambda one: -float(np.nanmax(one.values) - np.nanmin(one.values)))[:PANELS]
+    values, label = _scaled(numbers)
     low, high = min(np.nanmin(some) for some in values), max(np.nanmax(some) for some in values)
     columns = min(len(numbers), 2)
     rows = -(-len(numbers) // columns)
@@ -189,14 +215,9 @@ def draw_map(dataset: Dataset, metric: str) -> Figure:
         _name_places(axes, one, other)
     for axes in panels.flat[len(numbers) :]:
         axes.set_visible(False)
-    figure.colorbar(image, ax=panels.ravel().tolist(), label=f"{_metric_name(metric)} {unit}")
-    figure.suptitle(words.capitalize(), x=0.01, ha="left", fontsize=11)
+    figure.colorbar(image, ax=panels.ravel().tolist(), label=label)
+    figure.suptitle(_title(numbers[0].words), x=0.01, ha="left", fontsize=11)
     return figure
-
-
-def _span(values: FloatArray) -> float:
-    """Return largest less smallest value; 0 where there are none."""
-    return float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
 
 
 def _edges(*axes: Axis) -> list[FloatArray]:
@@ -238,7 +259,7 @@ def draw_spectra(dataset: Dataset, metric: str, highest: float | None = None) ->
     place = dataset[axis.key].values[rows]
     if not rows.any():
         raise LtcgearError(f"{metric}: no run came to its end, so there is nothing to draw")
-    order = np.argsort(place)
+    order = np.argsort(place)[:: -(-place.size // ROWS)]
     courses = {}
     if "mesh_frequency" in dataset:
         found = dataset["mesh_frequency"].transpose("point", "gear_set")

@@ -9,7 +9,9 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
+from ..analysis.drawing import scale_of
 from ..attributes import finite
+from ..statistics import group_of
 from ..tables import Cell, Table
 from .influence import LEVEL, Influence, find_influences
 from .reading import DONE, STATUS, Numbers, choose_shown, design_of, is_done, list_numbers
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 
 STATISTICS = ("mean", "std", "min", "p5", "median", "p95", "max")
 """Of a number over the points, in the order of columns."""
-HEADINGS = ("mean", "standard deviation", "min", "5 %", "median", "95 %", "max")
+HEADINGS = ("mean", "deviation", "min", "5 %", "median", "95 %", "max")
 ROWS = 24
 """Rows that a table over an axis has at most."""
 
@@ -107,41 +109,55 @@ def list_tables(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[T
     along = len(design.axes) == 1 and design.axes[0].crossed
     metrics = choose_shown(dataset) if metrics is None else metrics
     numbers = list_numbers(dataset, metrics)
-    tables = [_over_axis(dataset, name, numbers) if along else _over_points(dataset, name, numbers)
-              for name in dict.fromkeys(number.metric for number in numbers)]  # fmt: skip
+    groups: dict[tuple[str, str], list[Numbers]] = {}
+    for number in numbers:
+        groups.setdefault((number.metric, group_of(number.item) if along else ""), []).append(number)
+    tables = [_over_axis(dataset, own) if along else _over_points(dataset, own) for own in groups.values()]
     return tables + _influences(dataset, metrics)
 
 
-def _heading(one: Numbers) -> str:
-    """Return the title of a metric's table."""
-    return f"{one.metric}: {one.words} [{one.unit}]"
+def _head(own: list[Numbers]) -> tuple[str, float]:
+    """Return the title of a metric's table, and the unit's size [SI] in which numbers are handy."""
+    largest = max((float(np.abs(one.values[np.isfinite(one.values)]).max(initial=0.0)) for one in own), default=0.0)
+    size, unit = scale_of(own[0].unit, largest)
+    return f"{own[0].metric}: {own[0].words} [{unit}]", size
 
 
-def _over_points(dataset: xr.Dataset, metric: str, numbers: list[Numbers]) -> Table:
+def _over_points(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     """List a metric's statistics over the points, a row for each item."""
     done = is_done(dataset)
-    own = [number for number in numbers if number.metric == metric]
+    title, size = _head(own)
     rows: list[tuple[Cell, ...]] = []
     for number in own:
         found = gather(number, done)
-        rows.append((number.item or "all", *(found[name] for name in STATISTICS)))
-    return Table(_heading(own[0]), ("", *HEADINGS), tuple(rows), _told(done))
+        rows.append((number.item or "all", *(_round(found[name] / size) for name in STATISTICS)))
+    return Table(title, ("", *HEADINGS), tuple(rows), _told(done))
 
 
-def _over_axis(dataset: xr.Dataset, metric: str, numbers: list[Numbers]) -> Table:
-    """List a metric over the one axis, a column for each item."""
+def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
+    """List a metric over the one axis, a column for each item of a group."""
     axis = design_of(dataset).axes[0]
-    own = [number for number in numbers if number.metric == metric]
+    title, size = _head(own)
     coordinate = dataset[axis.key]
     unit = coordinate.attrs.get("units", "")
     places = np.unique(np.linspace(0, coordinate.size - 1, min(ROWS, coordinate.size)).round().astype(int))
     rows = tuple(
-        (_cell(coordinate.values[place]), *(float(number.values[place]) for number in own)) for place in places
+        (_cell(coordinate.values[place]), *(_round(float(number.values[place]) / size) for number in own))
+        for place in places
     )
     shown = (f"every {coordinate.size / len(places):.3g}th point",) if len(places) < coordinate.size else ()
     heading = f"{axis.key} [{unit}]" if unit else axis.key
-    columns = (heading, *(number.item or number.metric for number in own))
-    return Table(_heading(own[0]), columns, rows, (*shown, *_told(is_done(dataset))))
+    group = group_of(own[0].item)
+    numbered = all(one.item.startswith(f"{group}.") for one in own)  # planets, told by their numbers below the group
+    names = [one.item.removeprefix(f"{group}.") if numbered else one.item or one.metric for one in own]
+    title = f"{title}, {group}" if numbered else title
+    columns = (heading, *names)
+    return Table(title, columns, rows, (*shown, *_told(is_done(dataset))))
+
+
+def _round(value: float) -> float:
+    """Return a number with the digits that a table has room for; files and --json have all."""
+    return float(f"{value:.4g}")
 
 
 def _cell(value: Any) -> Cell:  # noqa: ANN401
@@ -176,5 +192,5 @@ def _said(own: list[Influence]) -> tuple[str, ...]:
     blocks, dropped = own[0].blocks, max(one.dropped for one in own)
     notes = [f"{blocks} blocks; +- is half of the {100 * LEVEL:.0f} % interval, by resampling blocks"]
     if dropped:
-        notes.append(f"{dropped} blocks left out, for a run of theirs failed: indices are of the rest of the ranges")
+        notes.append(f"left out for failed runs: {dropped} blocks; the indices are of the rest of the ranges")
     return tuple(notes)

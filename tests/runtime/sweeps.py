@@ -28,8 +28,7 @@ def run_sweep(design: Design, name: str, settings: tuple[str, ...], metrics: lis
     """A sweep of a scene by plain runs; where only numbers vary its library is compiled once."""
     rows = []
     for point in range(design.size):
-        changes = [f"{key} = {json.dumps(value)}" for key, value in design.changes(point).items()]
-        case = make_case(put(raw_scene(name, *settings), changes))
+        case = make_case(put(raw_scene(name, *settings), design.changes(point)))
         rows.append(measure(simulate(case.library, case.model.values(), **options), metrics))
     united = xr.concat(rows, "point").assign_coords(design.coordinates())
     united["status"] = ("point", ["done"] * design.size)
@@ -38,11 +37,10 @@ def run_sweep(design: Design, name: str, settings: tuple[str, ...], metrics: lis
 
 def put(raw, changes):
     """Make changes to a raw scene; a whole number is a place in a list."""
-    for change in changes:
-        key, _, value = change.partition(" = ")
+    for key, value in changes.items():
         *path, last = key.split(".")
         table = raw
         for part in path:
             table = table[int(part)] if isinstance(table, list) else table.setdefault(part, {})
-        table[last] = json.loads(value)
+        table[last] = float(value) if value.replace(".", "").isdecimal() else value
     return raw

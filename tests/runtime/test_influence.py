@@ -91,7 +91,7 @@ def test_a_failed_run_takes_its_block_along(known):
     assert (found.blocks, found.dropped) == (2046, 2)
     assert found.first == pytest.approx(ishigami_indices()[0], abs=0.03)
     table = list_tables(as_sweep(design, status, response=values))[-1]
-    assert any("2 blocks left out" in note for note in table.notes)
+    assert any("2 blocks; the indices are of the rest" in note for note in table.notes)
 
 
 def test_too_few_whole_blocks_are_refused(known):
