@@ -135,7 +135,7 @@ def _take_load_share(run: Result) -> Taken:
     largest = [max(by_mesh[mesh] for mesh in members) for members in groups.values()]
     words = "share of the load: mean force over the mean of the group"
     yield Values("load_share", shares, "1", words, "", "planet_mesh", meshes)
-    words, source = "mesh load factor K_gamma: largest share of a group", "ISO 6336-1, clause 7"
+    words, source = "mesh load factor K_gamma: largest share of a group", "ISO 6336-1"
     yield Values("mesh_load_factor", largest, "1", words, source, "group", list(groups))
 
 
@@ -151,7 +151,7 @@ def _take_transmission_error(run: Result) -> Taken:
 
 def _take_energy_residual(run: Result) -> Taken:
     """Take how far the energy balance is open."""
-    words = "energy missing over the largest strain energy"
+    words = "energy missing in the balance, over the strain energy of the start"
     yield Values("energy_residual", run.summary["energy_residual"], "1", words)
 
 

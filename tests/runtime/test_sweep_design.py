@@ -26,6 +26,7 @@ def ranges(draw, count=None):
 
 
 @given(ranges(st.none() | st.integers(2, 50)))
+@settings(deadline=None)
 def test_ranges_are_read_as_they_are_written(axis):
     text = f"{axis.key}={axis.write(axis.low)}:{axis.write(axis.high)}" + (f":{axis.count}" if axis.count else "")
     assert read_axis(text) == axis
@@ -33,6 +34,7 @@ def test_ranges_are_read_as_they_are_written(axis):
 
 
 @given(NUMBERS.filter(lambda value: value == 0.0 or abs(value) >= 1e-30), st.sampled_from(["m", "N*m", "rad/s"]))
+@settings(deadline=None)
 def test_scenes_read_back_the_very_number(value, unit):
     written = Axis("a", unit=unit).write(value)
     assert parse(written, unit) == value
