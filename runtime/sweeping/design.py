@@ -149,7 +149,7 @@ def draw_design(axes: Sequence[Axis], sample: str = "grid", points: int | None =
     grid = np.meshgrid(*(axis.places for axis in crossed), np.arange(len(samples)), indexing="ij")
     columns = {axis.key: values.ravel() for axis, values in zip(crossed, grid[:-1], strict=True)}
     columns |= {axis.key: samples[grid[-1].ravel(), k] for k, axis in enumerate(drawn)}
-    values = np.stack([columns[axis.key] for axis in axes], axis=1)
+    values = np.stack([columns[axis.key] for axis in axes], axis=1).astype(np.float64)
     return Design(tuple(axes), sample, points, seed, values)
 
 
@@ -158,10 +158,9 @@ def _check_sample(sample: str, crossed: Sequence[Axis], drawn: Sequence[Axis]) -
     if sample not in SAMPLES:
         raise LtcgearError(f"--sample {sample}: no such sample; there are {', '.join(SAMPLES)}")
     if sample == "grid" and drawn:
-        axis = drawn[0]
+        key, low, high = drawn[0].key, drawn[0].write(drawn[0].low), drawn[0].write(drawn[0].high)
         raise LtcgearError(
-            f"--vary {axis.key}: how many points? write {axis.key}='{axis.write(axis.low)}:{axis.write(axis.high)}:11', "
-            "or draw them with --sample lhs --points 100"
+            f"--vary {key}: how many points? write {key}='{low}:{high}:11', or draw them with --sample lhs --points 100"
         )
     if sample == "saltelli" and crossed:
         raise LtcgearError(f"--vary {crossed[0].key}: Sobol indices are of ranges; write NAME=a:b, without points")
@@ -203,7 +202,7 @@ def _check_points(sample: str, points: int | None, seed: int, drawn: int, crosse
 def _spread(axes: Sequence[Axis], unit: Vector) -> Vector:
     """Map the unit cube to the ranges, bounds kept."""
     low, high = (np.array([getattr(axis, name) for axis in axes]) for name in ("low", "high"))
-    return np.clip(low + unit * (high - low), low, high)
+    return np.asarray(np.clip(low + unit * (high - low), low, high))
 
 
 def _draw_lhs(axes: Sequence[Axis], count: int, seed: int) -> Vector:

@@ -199,7 +199,7 @@ def _take_spectrum(name: str, run: Result) -> Taken:
     half = _half(run, name, names, FEWEST)
     found = find_spectrum(*(signal.sel(time=half["time"]) for signal in signals))
     words, source = f"amplitude spectrum of the {found.title}", f"{found.window} window"
-    yield Values(name, found.value, found.unit, words, source, "frequency", found.axis)
+    yield Values(name, found.value, found.unit, words, source, "frequency", found.axis.tolist())
     if "mesh_phase" in run.dataset:
         frequencies = mesh_frequencies(run.dataset[["mesh_phase"]])
         words = "mesh frequency"
@@ -265,11 +265,11 @@ def lay_out(dataset: xr.Dataset, names: Sequence[str], t_end: float, rate: float
         find_metric(name)
     time = np.arange(round(t_end * rate) + 1) / rate
     ones: dict[str, Any] = {}
-    for name, variable in dataset.variables.items():
-        if "time" in variable.dims and name != "time":
+    for label, variable in dataset.variables.items():
+        if "time" in variable.dims and label != "time":
             shape = tuple(time.size if size == "time" else dataset.sizes[size] for size in variable.dims)
-            ones[str(name)] = (variable.dims, np.broadcast_to(1.0, shape), variable.attrs)
-    fixed = {name: dataset[name] for name in dataset.coords if name != "time"}
+            ones[str(label)] = (variable.dims, np.broadcast_to(1.0, shape), variable.attrs)
+    fixed = {label: dataset[label] for label in dataset.coords if label != "time"}
     counts = asdict(Counts()) | {"expected_events": 0}
     row = measure(Result(xr.Dataset(ones, {"time": time, **fixed}), {"energy_residual": 0.0, "counts": counts}), names)
     return row.map(lambda values: values.astype(np.float64) * np.nan, keep_attrs=True)
