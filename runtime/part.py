@@ -9,7 +9,7 @@ the last digits of an integration are noise, so a fifth of the room is all that 
 the run itself takes.
 """
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -69,8 +69,7 @@ class Part:
         self.rows = kept or 0
         if found < self.rows or set(self.record.names or ()) != set(_moving(heading, along)):
             raise LtcgearError(
-                f"{self.path}: holds {found} samples where the checkpoint counts {self.rows}; "
-                f"{self.again}"
+                f"{self.path}: holds {found} samples where the checkpoint counts {self.rows}; {self.again}"
             )
         with self._writing(self.path):
             self.file = self.path.open("r+b", buffering=0)

@@ -215,8 +215,7 @@ def put_changes(raw: Raw, changes: Mapping[str, str], label: str) -> None:
 
 
 def _put(raw: Raw, key: str, value: str, label: str) -> None:
-    """Set one dotted key; the value is read as TOML where it is TOML, else as text. Whole numbers are places in lists.
-    """
+    """Set one dotted key, whole numbers being places in lists; the value is read as TOML where it is, else as text."""
     try:
         read = tomllib.loads(f"v = {value}")
         parsed = read["v"] if len(read) == 1 else value

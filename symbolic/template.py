@@ -88,7 +88,9 @@ class Template:
 
     def entries(self) -> dict[str, Any]:
         """Return all that numbers depend on, by dotted key, so that two templates can be compared."""
-        tables = {f"table {name}": hashlib.sha256(repr(rows).encode()).hexdigest() for (name, *_), rows in self._tables()}
+        tables = {
+            f"table {name}": hashlib.sha256(repr(rows).encode()).hexdigest() for (name, *_), rows in self._tables()
+        }
         return {"scene": self.name} | dict(_flatten(self.raw, "")) | tables
 
     def _tables(self) -> Iterator[tuple[tuple[str, str, str], Pairs]]:

@@ -46,7 +46,7 @@ class Cluster:
 
     deaths: tuple[type[Exception], ...] = (KilledWorker,)
 
-    def __init__(self, client: Client) -> None:
+    def __init__(self, client: Any) -> None:  # noqa: ANN401
         self.client = client
         self.workers = sum(client.nthreads().values())
 
@@ -75,7 +75,8 @@ def connect(address: str) -> Iterator[Cluster]:
     """
     start = "start one with `dask scheduler`, or leave --scheduler out to use this machine's processes"
     try:
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        make: Any = Client  # which has no types
+        client = make(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, RuntimeError, TypeError) as error:
         raise LtcgearError(f"--scheduler {address}: cannot be reached ({error}); {start}") from error
     with client:

@@ -15,14 +15,16 @@ from ltcgear.generated.errors import LtcgearError, SceneError
 from ..attributes import to_attributes
 from ..dataset import make_dataset
 from ..integration import check_length
-from ..library import Library, build
+from ..library import build
 from ..reading import no_rows
 from ..simulation import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, check_size
 from .axes import read_axes
 from .design import Design, draw_design
 from .execution import Pool, Processes, check_joblib, compute_points
+from .listing import summarise
 from .metrics import choose_metrics, find_metric, lay_out, unite
-from .store import Store, check_store, count_reasons, load_sweep
+from .reading import design_of
+from .store import Store, check_store, load_sweep
 from .task import UNBUILT, Maker, Outcome, Plan, find_places
 
 if TYPE_CHECKING:
@@ -100,7 +102,7 @@ def sweep(
     design = draw_design(read_axes(vary), sample, points, seed)
     first = check_points(maker, design)
     end, samples = maker.times(first)
-    settings = {"t_end": t_end or end, "rate": rate or samples, "method": method, "rtol": rtol}
+    settings: dict[str, Any] = {"t_end": t_end or end, "rate": rate or samples, "method": method, "rtol": rtol}
     check_options(method, rtol, settings["t_end"])
     check_length(settings["t_end"] * settings["rate"])
     with _open_pool(workers, scheduler) as pool:
@@ -112,7 +114,7 @@ def sweep(
             _fill(plan, store, pool, told)
             seconds["simulate"] = perf_counter() - clock
             store.seal()
-    return summarise(target, maker, design, kept, pool.workers, seconds)
+    return tell_sweep(target, maker, kept, pool.workers, seconds)
 
 
 def check_points(maker: Maker, design: Design) -> dict[str, str]:
@@ -195,17 +197,9 @@ def _prepare(
     p = library.parameters(values)
     with suppress(LtcgearError):  # a point's own reason
         Run(library, p, oversample=1, tables=tables, **settings)
-    row, metrics = lay_out_row(library, p, metrics, settings)
-    return artifact, row, metrics
-
-
-def lay_out_row(
-    library: Library, p: Any, metrics: Sequence[str] | None, settings: Mapping[str, Any]  # noqa: ANN401
-) -> tuple["xr.Dataset", Sequence[str]]:
-    """Return a row without numbers, and the metrics, which are chosen where none are given."""
     empty = make_dataset(library, p, no_rows(library))
     metrics = metrics or choose_metrics(empty)
-    return lay_out(empty, metrics, settings["t_end"], settings["rate"]), metrics
+    return artifact, lay_out(empty, metrics, settings["t_end"], settings["rate"]), metrics
 
 
 def describe_sweep(plan: Plan) -> dict[str, Any]:
@@ -213,13 +207,14 @@ def describe_sweep(plan: Plan) -> dict[str, Any]:
     drawn = plan.design.to_json()
     axes = {f"axis {axis.key}": _write_axis(axis.to_json()) for axis in plan.design.axes}
     return {
-        **plan.maker.entries(),
         **axes,
-        **{name: drawn[name] for name in ("sample", "points", "seed", "size", "digest")},
+        **{name: drawn[name] for name in ("sample", "points", "seed")},
         "metrics": ", ".join(plan.metrics),
         **plan.settings,
+        **plan.maker.entries(),
         **{f"version of {name}": version(name) for name in ("ltcgear", "casadi", "numpy", "scipy")},
         "equations": sorted(plan.models),
+        "points as drawn": drawn["digest"],
     }
 
 
@@ -290,22 +285,9 @@ def _build_late(plan: Plan, store: Store, point: int) -> bool:
     return False
 
 
-def summarise(
-    target: Path, maker: Maker, design: Design, kept: int, workers: int, seconds: Mapping[str, float]
-) -> dict[str, Any]:
-    """Return how a sweep went."""
+def tell_sweep(target: Path, maker: Maker, kept: int, workers: int, seconds: Mapping[str, float]) -> dict[str, Any]:
+    """Return how a sweep went, and what it says in numbers."""
     found = load_sweep(target)
-    reasons = count_reasons(found["status"].values.tolist())
-    failed = sum(count for _, count, _ in reasons)
-    return {
-        "scene": maker.name,
-        "file": str(target),
-        "points": design.size,
-        "computed": design.size - kept,
-        "kept": kept,
-        "failed": failed,
-        "reasons": [{"reason": reason, "points": count, "first": first} for reason, count, first in reasons],
-        "workers": workers,
-        "notes": list(design.notes),
-        "seconds": dict(seconds),
-    }
+    told = {"scene": maker.name, "file": str(target), **summarise(found)}
+    counts = {"computed": found.sizes["point"] - kept, "kept": kept, "workers": workers}
+    return told | counts | {"notes": list(design_of(found).notes), "seconds": dict(seconds)}

@@ -7,7 +7,7 @@ for it.
 
 import fcntl
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,8 @@ from ..checkpoint import tell_differences
 from ..part import BEGIN, Part, part_of
 from ..results import check_target, save
 from .design import Design
-from .task import DONE, Outcome
+from .reading import DONE
+from .task import Outcome
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -93,12 +94,14 @@ class Store:
 
     def _lock(self) -> None:
         """Keep other sweeps away, where files can be locked."""
-        assert self.part is not None  # noqa: S101
+        assert self.part is not None
         try:
             fcntl.flock(self.part.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
             self.part.file.close()
-            raise LtcgearError(f"{self.part.path}: another sweep is writing it; wait for that, or give another -o") from error
+            raise LtcgearError(
+                f"{self.part.path}: another sweep is writing it; wait for that, or give another -o"
+            ) from error
         except OSError:
             pass
 
@@ -224,14 +227,3 @@ def _arrange(rows: "xr.Dataset", design: Design) -> "xr.Dataset":
 def _cut(text: str) -> bytes:
     """Return a reason on one line, cut to what a row holds."""
     return " ".join(text.split()).encode()[:LONGEST].decode("utf-8", "ignore").encode()
-
-
-def count_reasons(statuses: Iterable[str]) -> Sequence[tuple[str, int, int]]:
-    """Return the reasons of rows that failed, how often each is given, and the first point that gives it."""
-    found: dict[str, tuple[int, int]] = {}
-    for point, status in enumerate(statuses):
-        if status != DONE:
-            count, first = found.get(status, (0, point))
-            found[status] = (count + 1, first)
-    ordered = sorted(found.items(), key=lambda item: -item[1][0])
-    return [(reason, count, first) for reason, (count, first) in ordered]

@@ -19,13 +19,13 @@ from ..library import Library, build
 from ..signals import Pairs
 from ..simulation import simulate
 from .design import Design
-from .metrics import measure
+from .metrics import take_values
+from .reading import DONE
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Vector = NDArray[np.float64]
-DONE = "done"
 UNBUILT = "not built yet"
 """Status of a point whose structure no library was built for."""
 
@@ -130,7 +130,7 @@ class Plan:
             raise KeyboardInterrupt
         if status != DONE:
             return Outcome(point, status)
-        return Outcome(point, DONE, _arrange(flatten(measure(result, self.metrics)), self.places[key]))
+        return Outcome(point, DONE, _arrange(take_values(result, self.metrics), self.places[key]))
 
 
 def flatten(row: "xr.Dataset") -> Vector:
@@ -143,7 +143,9 @@ def find_places(row: "xr.Dataset", form: "xr.Dataset") -> Vector | None:
     """Return which number of a row stands at each place of the form, NaN for none; None where all stand alike."""
     numbered, count = row.copy(), 0
     for name, variable in row.data_vars.items():
-        numbered[name] = variable.copy(data=np.arange(count, count + variable.size, dtype=float).reshape(variable.shape))
+        numbered[name] = variable.copy(
+            data=np.arange(count, count + variable.size, dtype=float).reshape(variable.shape)
+        )
         count += variable.size
     fitted = numbered.reindex_like(form)
     for name in form.data_vars:
