@@ -301,7 +301,7 @@ def measure(result: Result, names: Sequence[str]) -> xr.Dataset:
 
     data: dict[str, Any] = {}
     coordinates: dict[str, Any] = {}
-    for one in (one for name in dict.fromkeys(names) for one in find_metric(name)(result)):
+    for one in _take(result, names).values():
         attributes = {"units": one.unit, "long_name": one.words} | ({"source": one.source} if one.source else {})
         data[one.name] = (one.dimension or (), np.asarray(one.values, dtype=np.float64), attributes)
         if one.dimension == "frequency":
@@ -309,6 +309,16 @@ def measure(result: Result, names: Sequence[str]) -> xr.Dataset:
         elif one.dimension:
             coordinates[one.dimension] = list(one.items)
     return xr.Dataset(data, coordinates)
+
+
+def take_values(result: Result, names: Sequence[str]) -> FloatArray:
+    """Return the numbers of `measure`, one variable after the other, without the cost of a data set."""
+    return np.concatenate([np.ravel(np.asarray(one.values, np.float64)) for one in _take(result, names).values()])
+
+
+def _take(result: Result, names: Sequence[str]) -> dict[str, Values]:
+    """Return the values of metrics by the name of the variable."""
+    return {one.name: one for name in dict.fromkeys(names) for one in find_metric(name)(result)}
 
 
 def unite(rows: Sequence[xr.Dataset]) -> xr.Dataset:

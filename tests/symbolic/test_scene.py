@@ -753,7 +753,7 @@ CHANGES = {
     "title.x": ("1", "title.x: 'title' is a value, not a table"),
     "": ("1", "unknown key"),
     "..": ("1", "unknown key"),
-    "gravity.0": ("'1 m/s^2'", "gravity: must be a list"),
+    "gravity.0": ("'1 m/s^2'", "gravity.0: gravity is no list yet, so it has no place 0; set the whole list first"),
     "title": ("", "title: must not be empty"),
     "effects.gravity": ("true", "effects.gravity: True is not a value of it"),
     "x": ("[" * 50_000, "x: unknown key"),
