@@ -54,6 +54,11 @@ class Design:
         """Return the number of points."""
         return len(self.values)
 
+    @property
+    def varied(self) -> tuple[Axis, ...]:
+        """Return the axes that take more than one value."""
+        return tuple(axis for axis in self.axes if not (axis.crossed and axis.places.size == 1))
+
     @cached_property
     def digest(self) -> str:
         """Return a sum over all values, by which two designs are told apart."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from ..spectra import noise_bandwidth
 from ..statistics import group_of
 from .axes import Axis
 from .influence import Influence, find_influences
-from .reading import FloatArray, Numbers, choose_shown, design_of, is_done, list_numbers, list_spectra
+from .reading import FloatArray, Numbers, choose_shown, design_of, is_done, list_numbers, list_spectra, shorten
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +39,7 @@ def draw_sweep(dataset: Dataset) -> dict[str, Figure]:
     """Draw a sweep as suits its design.
 
     One axis that brings its points gives responses and, of spectra, waterfalls; two give maps; drawn points give
-    distributions, and those of ``saltelli`` Sobol indices too.
+    distributions, crossed with one axis medians and quantiles over it, and those of ``saltelli`` Sobol indices too.
 
     Parameters
     ----------
@@ -51,9 +52,10 @@ def draw_sweep(dataset: Dataset) -> dict[str, Figure]:
         Name of the figure, fit for a file -> figure.
     """
     design, metrics = design_of(dataset), choose_shown(dataset)
-    crossed = [axis for axis in design.axes if axis.crossed]
-    drawn = len(crossed) < len(design.axes)
-    draw = draw_distribution if drawn else {1: draw_response, 2: draw_map}.get(len(crossed), draw_distribution)
+    crossed = [axis for axis in design.varied if axis.crossed]
+    drawn = len(crossed) < len(design.varied)
+    chosen = {(1, False): draw_response, (2, False): draw_map, (1, True): draw_bands}
+    draw = chosen.get((len(crossed), drawn), draw_distribution)
     figures = {_file_name(name): draw(dataset, name) for name in metrics if _has_numbers(dataset, name)}
     if len(crossed) == 1 and not drawn and _is_numeric(dataset, crossed[0]):
         figures |= {_file_name(name): draw_spectra(dataset, name) for name in list_spectra(dataset)}
@@ -168,38 +170,60 @@ def _told(dataset: Dataset) -> str:
 
 def draw_response(dataset: Dataset, metric: str) -> Figure:
     """Draw a metric over the one axis that is varied, a line for each item."""
-    axis = design_of(dataset).axes[0]
+    axis = design_of(dataset).varied[0]
+    return _draw_over(dataset, metric, axis, dataset[axis.key].values, _plot)
+
+
+def draw_bands(dataset: Dataset, metric: str) -> Figure:
+    """Draw a metric over the one axis with its own points: median, and 5 to 95 % of what is drawn of the others."""
+    axis = next(axis for axis in design_of(dataset).varied if axis.crossed)
+    levels, member = np.unique(dataset[axis.key].values, return_inverse=True)
+
+    def plot(axes: Axes, place: FloatArray, values: FloatArray, **style: Any) -> None:  # noqa: ANN401
+        low, middle, high = np.array([_quantiles(values[member == level]) for level in range(levels.size)]).T
+        axes.errorbar(place, middle, [middle - low, high - middle], capsize=3.0, elinewidth=0.9, **style)
+
+    figure = _draw_over(dataset, metric, axis, levels, plot)
+    figure.axes[0].set_title(f"{figure.axes[0].get_title(loc='left')}, median and 5 to 95 %", loc="left", fontsize=11)
+    return figure
+
+
+def _quantiles(values: FloatArray) -> FloatArray:
+    """Return the 5, 50 and 95 % quantiles; NaN where there are no values."""
+    kept = values[np.isfinite(values)]
+    return np.quantile(kept, [0.05, 0.5, 0.95]) if kept.size else np.full(3, np.nan)
+
+
+def _plot(axes: Axes, place: FloatArray, values: FloatArray, **style: Any) -> None:  # noqa: ANN401
+    """Draw points and the line through them."""
+    axes.plot(place, values, **style)
+
+
+def _draw_over(dataset: Dataset, metric: str, axis: Axis, levels: NDArray[Any], plot: Callable[..., None]) -> Figure:
+    """Draw a metric over the values of an axis, a panel for each group."""
     groups = _grouped(_numbers_of(dataset, metric))
     figure = make_canvas(WIDTH, HEIGHT * (0.3 + 0.7 * len(groups)))
-    place, ticks = _places(dataset, axis)
+    words = not _is_numeric(dataset, axis)
+    place = np.arange(levels.size) if words else levels
     for panel, (own, axes) in enumerate(zip(groups, figure.subplots(len(groups), 1, squeeze=False).flat, strict=True)):
         values, label = _scaled(own)
         for number, (one, some) in enumerate(zip(own, values, strict=True)):
-            style = _style(number, len(own))
-            if ticks:  # words side by side, since their points would hide each other
+            style = _style(number, len(own)) | {"marker": ".", "label": one.item or metric}
+            if words:  # side by side, since their points would hide each other
                 style |= {"ls": "none", "ms": 9.0}
-            shift = SHIFT * (number - 0.5 * (len(own) - 1)) if ticks else 0.0
-            axes.plot(place + shift, some, marker=".", label=one.item or metric, **style)
-        if ticks:
-            axes.set_xticks(place, ticks)
+            shift = SHIFT * (number - 0.5 * (len(own) - 1)) if words else 0.0
+            plot(axes, place + shift, some, **style)
+        if words:
+            axes.set_xticks(place, [str(level) for level in levels])
         title = "" if panel else _title(own[0].words)
         label_axes(axes, title, _varied(dataset, axis) if panel == len(groups) - 1 else "", label)
         finish_axes(axes)
     return figure
 
 
-def _places(dataset: Dataset, axis: Axis) -> tuple[NDArray[Any], list[str]]:
-    """Return where an axis' points stand, and the words there where it has no numbers."""
-    coordinate = dataset[axis.key].values
-    if _is_numeric(dataset, axis):
-        return coordinate, []
-    return np.arange(coordinate.size), [str(word) for word in coordinate]
-
-
 def draw_map(dataset: Dataset, metric: str) -> Figure:
     """Draw a metric over the two axes that are varied, a panel for each item, those that vary most."""
-    design = design_of(dataset)
-    one, other = design.axes
+    one, other = design_of(dataset).varied
     known = [one for one in _numbers_of(dataset, metric) if np.isfinite(one.values).any()]
     numbers = sorted(known, key=lambda one: -float(np.nanmax(one.values) - np.nanmin(one.values)))[:PANELS]
     values, label = _scaled(numbers)
@@ -253,7 +277,7 @@ def draw_spectra(dataset: Dataset, metric: str, highest: float | None = None) ->
     highest
         Where the frequency axis ends [Hz]; at `CLOSE` times the highest mesh frequency where left out.
     """
-    axis = design_of(dataset).axes[0]
+    axis = design_of(dataset).varied[0]
     rows = is_done(dataset)
     amplitude = dataset[metric].transpose("point", "frequency").values[rows]
     place = dataset[axis.key].values[rows]
@@ -316,7 +340,7 @@ def draw_influences(found: list[Influence]) -> Figure:
     rows = -(-len(shown) // columns)
     figure = make_canvas(WIDTH * (0.8 + 0.4 * (columns - 1)), rows * (1.2 + 0.55 * len(keys)) + 0.5)
     panels = figure.subplots(rows, columns, squeeze=False, sharey=True, sharex=True)
-    place = np.arange(len(keys))
+    place, prefix, names = np.arange(len(keys)), *shorten(keys)
     for axes, one in zip(panels.flat, shown, strict=False):
         for shift, colour, label, value, half in (
             (-0.2, BLUE, "first order", one.first, one.first_confidence),
@@ -324,7 +348,7 @@ def draw_influences(found: list[Influence]) -> Figure:
         ):
             axes.barh(place + shift, value, 0.36, xerr=half, color=colour, label=label, capsize=2.0, ecolor="black",
                       error_kw={"lw": 0.9})  # fmt: skip
-        axes.set_yticks(place, keys, fontsize=9)
+        axes.set_yticks(place, names, fontsize=9)
         label_axes(axes, one.item or one.metric, "share of the variance [1]", "")
         axes.grid(axis="x", alpha=0.25, lw=0.5)
         axes.set_axisbelow(True)
@@ -334,5 +358,8 @@ def draw_influences(found: list[Influence]) -> Figure:
         axes.set_visible(False)
     handles, labels = panels.flat[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower right", ncols=2, frameon=False, fontsize=9)
-    figure.suptitle(f"{shown[0].metric}: Sobol indices, {shown[0].blocks} blocks", x=0.01, ha="left", fontsize=11)
+    whose = f" of keys of {prefix.removesuffix('.')}" if prefix else ""
+    figure.suptitle(
+        f"{shown[0].metric}: Sobol indices{whose}, {shown[0].blocks} blocks", x=0.01, ha="left", fontsize=11
+    )
     return figure

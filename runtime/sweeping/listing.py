@@ -14,7 +14,7 @@ from ..attributes import finite
 from ..statistics import group_of
 from ..tables import Cell, Table
 from .influence import LEVEL, Influence, find_influences
-from .reading import DONE, STATUS, Numbers, choose_shown, design_of, is_done, list_numbers
+from .reading import DONE, STATUS, Numbers, choose_shown, design_of, is_done, list_numbers, shorten
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -106,7 +106,7 @@ def list_tables(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[T
         Variables that are shown; those that ``reading.choose_shown`` chooses where left out.
     """
     design = design_of(dataset)
-    along = len(design.axes) == 1 and design.axes[0].crossed
+    along = len(design.varied) == 1 and design.varied[0].crossed
     metrics = choose_shown(dataset) if metrics is None else metrics
     numbers = list_numbers(dataset, metrics)
     groups: dict[tuple[str, str], list[Numbers]] = {}
@@ -131,12 +131,14 @@ def _over_points(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     for number in own:
         found = gather(number, done)
         rows.append((number.item or "all", *(_round(found[name] / size) for name in STATISTICS)))
-    return Table(title, ("", *HEADINGS), tuple(rows), _told(done))
+    crossed = [axis.key for axis in design_of(dataset).varied if axis.crossed]
+    pooled = (f"over all values of {', '.join(crossed)}",) if crossed else ()
+    return Table(title, ("", *HEADINGS), tuple(rows), (*pooled, *_told(done)))
 
 
 def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     """List a metric over the one axis, a column for each item of a group."""
-    axis = design_of(dataset).axes[0]
+    axis = design_of(dataset).varied[0]
     title, size = _head(own)
     coordinate = dataset[axis.key]
     unit = coordinate.attrs.get("units", "")
@@ -180,10 +182,14 @@ def _influences(dataset: xr.Dataset, metrics: list[str]) -> list[Table]:
         own = [one for one in found if one.metric == metric]
         rows: list[tuple[Cell, ...]] = []
         for one in own:
-            lines = zip(one.axes, *(values.tolist() for values in _columns(one)), strict=True)
-            rows += [(one.item if k == 0 else "", *line) for k, line in enumerate(lines)]
-        columns = ("", "varied", "first order", "+-", "total", "+-")
-        tables.append(Table(f"{metric}: Sobol indices", columns, tuple(rows), _said(own)))
+            prefix, keys = shorten(one.axes)
+            lines = zip(keys, *(values.tolist() for values in _columns(one)), strict=True)
+            rows += [
+                (one.item if k == 0 else "", key, *(round(value, 3) for value in line))
+                for k, (key, *line) in enumerate(lines)
+            ]
+        title = f"{metric}: Sobol indices" + (f" of keys of {prefix.removesuffix('.')}" if prefix else "")
+        tables.append(Table(title, ("", "varied", "first", "+-", "total", "+-"), tuple(rows), _said(own)))
     return tables
 
 

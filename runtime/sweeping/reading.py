@@ -92,3 +92,13 @@ def _split(variable: xr.DataArray) -> Iterator[Numbers]:
     items = variable[next(name for name in variable.dims if name != POINT)].values
     for item, column in zip(items, values.T, strict=True):
         yield Numbers(str(variable.name), str(item), unit, words, column)
+
+
+def shorten(keys: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
+    """Return the tables that all keys begin with, ``stages.lsp.``, and the keys without; "" where they share none."""
+    parts = [key.split(".")[:-1] for key in keys]
+    common = 0
+    while all(len(part) > common and part[common] == parts[0][common] for part in parts):
+        common += 1
+    prefix = "".join(f"{name}." for name in parts[0][:common])
+    return prefix, tuple(key.removeprefix(prefix) for key in keys)

@@ -9,6 +9,7 @@ from ltcgear.runtime.sweeping.axes import read_axes
 from ltcgear.runtime.sweeping.design import draw_design
 from ltcgear.runtime.sweeping.figures import draw_sweep
 from ltcgear.runtime.sweeping.listing import list_tables, summarise
+from ltcgear.runtime.sweeping.reading import shorten
 from matplotlib.colors import to_hex
 
 from .sweeps import as_sweep
@@ -115,8 +116,29 @@ def test_words_on_an_axis_stand_side_by_side():
     assert len({line.get_xdata()[0] for line in axes.lines}) == 4
 
 
+def test_drawn_points_over_an_axis_give_medians_and_quantiles():
+    design = draw_design(read_axes(["a=0:1", "n=3:5:3"]), "lhs", 101, 2)
+    level, drawn = design.values[:, 1], design.values[:, 0]
+    sweep = as_sweep(design, factor=level * drawn)
+    figure = draw_sweep(sweep)["factor"]
+    bars = figure.axes[0].containers[0]
+    assert bars.lines[0].get_xdata().tolist() == [3.0, 4.0, 5.0]
+    assert bars.lines[0].get_ydata() == pytest.approx([1.5, 2.0, 2.5], rel=0.02)
+    ends = np.array([segment[:, 1] for segment in bars.lines[2][0].get_segments()])
+    assert ends == pytest.approx(np.outer([3.0, 4.0, 5.0], [0.05, 0.95]), abs=0.06)
+    assert list_tables(sweep)[0].notes == ("over all values of n",)
+
+
+def test_keys_are_told_without_what_they_share():
+    keys = ("stages.lsp.pin.stiffness", "stages.lsp.position_errors.0.radial")
+    assert shorten(keys) == ("stages.lsp.", ("pin.stiffness", "position_errors.0.radial"))
+    assert shorten(("a.b",)) == ("a.", ("b",))
+    assert shorten(("a", "a.b")) == ("", ("a", "a.b"))
+
+
 def test_two_axes_give_a_map():
-    design = draw_design(read_axes(["a=0 m:1 m:3", "effects.x=on,off"]))
+    """A third one with a single value changes nothing."""
+    design = draw_design(read_axes(["a=0 m:1 m:3", "effects.y=on", "effects.x=on,off"]))
     values = np.arange(6.0)
     figure = draw_sweep(as_sweep(design, factor=values))["factor"]
     image = figure.axes[0].collections[0]
