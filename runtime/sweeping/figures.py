@@ -57,7 +57,7 @@ def draw_sweep(dataset: Dataset) -> dict[str, Figure]:
     chosen = {(1, False): draw_response, (2, False): draw_map, (1, True): draw_bands}
     draw = chosen.get((len(crossed), drawn), draw_distribution)
     figures = {_file_name(name): draw(dataset, name) for name in metrics if _has_numbers(dataset, name)}
-    if len(crossed) == 1 and not drawn and _is_numeric(dataset, crossed[0]):
+    if len(crossed) == 1 and not drawn and _is_numeric(dataset, crossed[0]) and is_done(dataset).any():
         figures |= {_file_name(name): draw_spectra(dataset, name) for name in list_spectra(dataset)}
     if design.sample == "saltelli":
         figures |= _draw_influences(dataset, metrics)
@@ -314,7 +314,7 @@ def _as_waterfall(
 def _draw_influences(dataset: Dataset, metrics: list[str]) -> dict[str, Figure]:
     """Draw Sobol indices of some metrics; nothing where too many runs failed."""
     try:
-        found = find_influences(dataset)
+        found = find_influences(dataset, metrics)
     except LtcgearError:
         return {}
     own = {metric: [one for one in found if one.metric == metric and one.first.size] for metric in metrics}

@@ -35,7 +35,8 @@ class Influence:
     axes
         Keys that were varied.
     first
-        Share of the variance that each brings by itself [1], shape (axes,); NaN where the number does not vary.
+        Share of the variance that each brings by itself [1], shape (axes,); NaN where the number does not vary, or
+        too few blocks have it.
     total
         Share that it brings alone and with the others [1].
     first_confidence, total_confidence
@@ -55,8 +56,8 @@ class Influence:
     dropped: int
 
 
-def find_influences(dataset: xr.Dataset) -> list[Influence]:
-    """Return the Sobol indices of all metrics of a sweep of the sample ``saltelli``, spectra left out.
+def find_influences(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[Influence]:
+    """Return the Sobol indices of a sweep of the sample ``saltelli``.
 
     A block of the scheme, d + 2 runs, counts as a whole or not at all: one failed run takes its block along. What is
     left then tells of the part of the ranges in which runs succeed.
@@ -65,6 +66,8 @@ def find_influences(dataset: xr.Dataset) -> list[Influence]:
     ----------
     dataset
         A sweep.
+    metrics
+        Variables whose numbers are analysed; all but spectra where left out.
 
     Raises
     ------
@@ -74,29 +77,30 @@ def find_influences(dataset: xr.Dataset) -> list[Influence]:
     design = design_of(dataset)
     if design.sample != "saltelli":
         raise LtcgearError(f"Sobol indices need a sweep with --sample saltelli; this one is of {design.sample}")
-    done = is_done(dataset)
-    return [_analyse(design, number, done) for number in list_numbers(dataset)]
+    width, done = len(design.axes) + 2, is_done(dataset)
+    whole = int(done.reshape(-1, width).all(axis=1).sum())
+    if whole < FEWEST:
+        raise LtcgearError(
+            f"Sobol indices: {whole} of {done.size // width} blocks of {width} runs are whole, {FEWEST} at least are "
+            "needed; see why runs failed, or ask for more --points"
+        )
+    return [_analyse(design, number, done) for number in list_numbers(dataset, metrics)]
 
 
 def _analyse(design: Design, number: Numbers, done: NDArray[np.bool_]) -> Influence:
     """Return the indices of one number."""
     width = len(design.axes) + 2
-    values = number.values.reshape(-1, width)
     whole = np.asarray((done & np.isfinite(number.values)).reshape(-1, width).all(axis=1))
     kept, dropped = int(whole.sum()), int((~whole).sum())
-    if kept < FEWEST:
-        raise LtcgearError(
-            f"Sobol indices of {number.name}: {kept} of {whole.size} blocks of {width} runs are whole, {FEWEST} at "
-            "least are needed; see why runs failed, or ask for more --points"
-        )
-    first, first_half, total, total_half = _estimate(design, values[whole].ravel())
+    first, first_half, total, total_half = _estimate(design, number.values.reshape(-1, width)[whole].ravel())
     keys = tuple(axis.key for axis in design.axes)
     return Influence(number.metric, number.item, keys, first, total, first_half, total_half, kept, dropped)
 
 
 def _estimate(design: Design, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return first-order and total indices, each with its confidence, shape (axes,) each."""
-    if not np.ptp(values) > FLAT * np.abs(values).max():
+    few = values.size < FEWEST * (len(design.axes) + 2)
+    if few or not np.ptp(values) > FLAT * np.abs(values).max():
         none = np.full(len(design.axes), np.nan)
         return none, none, none, none
     analyser = import_salib("analyze")

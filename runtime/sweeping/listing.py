@@ -47,7 +47,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
             one |= gather(number, done)
     found: dict[str, Any] = {"points": int(done.size), "failed": int((~done).sum()), "reasons": list_reasons(dataset)}
     found |= {"metrics": metrics}
-    influences, refused = _seek_influences(dataset)
+    influences, refused = _seek_influences(dataset, None)
     if influences:
         found["influences"] = [_plain(one) for one in influences]
     if refused:
@@ -56,12 +56,12 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     return plain
 
 
-def _seek_influences(dataset: xr.Dataset) -> tuple[list[Influence], str]:
+def _seek_influences(dataset: xr.Dataset, metrics: list[str] | None) -> tuple[list[Influence], str]:
     """Return Sobol indices where the sample is made for them; else why there are none of a sample that is."""
     if design_of(dataset).sample != "saltelli":
         return [], ""
     try:
-        return find_influences(dataset), ""
+        return find_influences(dataset, metrics), ""
     except LtcgearError as error:
         return [], str(error)
 
@@ -175,8 +175,7 @@ def _told(done: NDArray[np.bool_]) -> tuple[str, ...]:
 
 def _influences(dataset: xr.Dataset, metrics: list[str]) -> list[Table]:
     """List Sobol indices, a table for each metric, a row for each item and key."""
-    influences, refused = _seek_influences(dataset)
-    found = [one for one in influences if one.metric in metrics]
+    found, refused = _seek_influences(dataset, metrics)
     tables = [Table("Sobol indices", (), (), (refused,))] if refused else []
     for metric in dict.fromkeys(one.metric for one in found):
         own = [one for one in found if one.metric == metric]

@@ -104,6 +104,15 @@ def test_too_few_whole_blocks_are_refused(known):
     assert "blocks of 5 runs are whole" in list_tables(sweep)[-1].notes[0]
 
 
+def test_a_number_that_few_runs_have_takes_no_other_along(known):
+    design, _ = known
+    lone = np.where(np.arange(design.size) < 50, design.values[:, 0], np.nan)
+    found, few = find_influences(as_sweep(design, response=ishigami(design.values), lone=lone))
+    assert found.blocks == 2048
+    assert (few.blocks, few.dropped) == (10, 2038)
+    assert np.isnan(few.first).all()
+
+
 def test_other_samples_have_no_indices():
     design = draw_design(read_axes(["a=0:1"]), "lhs", 8)
     sweep = as_sweep(design, response=design.values[:, 0])

@@ -51,7 +51,10 @@ def test_a_metric_that_no_run_gave_is_null():
     found = summarise(as_sweep(design, ["stopped"] * 3, factor=np.full(3, np.nan)))
     assert found["metrics"]["factor"]["mean"] is None
     assert found["metrics"]["factor"]["count"] == 0
-    assert draw_sweep(as_sweep(design, ["stopped"] * 3, factor=np.full(3, np.nan))) == {}
+    sweep = as_sweep(design, ["stopped"] * 3, factor=np.full(3, np.nan))
+    sweep["spectrum:speed:x"] = (("point", "frequency"), np.full((3, 9), np.nan))
+    assert draw_sweep(sweep) == {}
+    assert list_tables(sweep)[0].notes == ("3 of 3 runs failed and are left out",)
 
 
 def test_tables_over_drawn_points_have_a_row_for_each_item():
