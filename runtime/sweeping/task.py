@@ -101,8 +101,10 @@ class Plan:
         return {name: value for name, value in vars(self).items() if name not in ("libraries", "places")}
 
     def pack(self) -> tuple[str, bytes]:
-        """Return a name and the bytes by which the plan goes to other processes."""
-        data = pickle.dumps(self)
+        """Return a name and the bytes by which the plan goes to other processes, makers of a script included."""
+        from joblib.externals.loky.backend.reduction import dumps
+
+        data = bytes(dumps(self))
         return hashlib.sha256(data).hexdigest(), data
 
     def library(self, key: str) -> Library:
@@ -169,7 +171,8 @@ def _arrange(values: Vector, places: Vector | None) -> Vector:
 
 # --- in a process that computes
 
-_PLANS: dict[str, Plan] = {}
+_PLANS: dict[str, Plan | str] = {}
+"""Plans by name; the reason in place of one that cannot be used here."""
 _ALONE = Lock()
 """CasADi serves one thread; a cluster's workers may have several."""
 
@@ -191,10 +194,16 @@ def keep_plan(name: str, data: bytes) -> None:
 
 
 def start_process(name: str, data: bytes) -> None:
-    """Make a plan known to a process that does nothing else; Ctrl-C is for the one that started it."""
+    """Make a plan known to a process that does nothing else; Ctrl-C is for the one that started it.
+
+    Where that fails, the process lives on to tell why: its death would be taken for a point's fault.
+    """
     if current_thread() is main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-    keep_plan(name, data)
+    try:
+        keep_plan(name, data)
+    except Exception as error:  # whatever a maker raises that cannot be unpickled
+        _PLANS[name] = f"{type(error).__name__}: {error}"
 
 
 def forget_plan(name: str) -> None:
@@ -203,10 +212,19 @@ def forget_plan(name: str) -> None:
 
 
 def run_point(name: str, point: int) -> Outcome:
-    """Compute a point of a plan that this process knows; what fails is a reason in place of numbers."""
+    """Compute a point of a plan that this process knows; what fails is a reason in place of numbers.
+
+    Raises
+    ------
+    LtcgearError
+        If the process cannot use the plan, which is no point's fault.
+    """
+    plan = _PLANS.get(name, "it was not sent")
+    if isinstance(plan, str):
+        raise LtcgearError(f"a worker cannot use what makes the models: {plan}; see that it can be pickled")
     with _ALONE:
         try:
-            return _PLANS[name].compute(point)
+            return plan.compute(point)
         except LtcgearError as error:
             return Outcome(point, str(error))
         except Exception as error:  # one point in thousands must not end all others
