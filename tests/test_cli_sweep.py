@@ -19,7 +19,7 @@ def test_a_sweep_prints_its_tables_and_then_is_finished(run, data, tmp_path):
     target = tmp_path / "a.nc"
     code, out, err = run("sweep", "lsp", *SPEEDS, "-o", target, "--figures", tmp_path / "figures")
     assert (code, err) == (0, "")
-    assert "load_factor: load factor: largest over mean normal mesh force [1]" in out
+    assert "\nload_factor: load factor: largest over" in out
     assert f"4 points computed; 0 failed; {target}" in out
     assert {path.suffix for path in (tmp_path / "figures").iterdir()} == {".svg"}
     shown = data("sweep", "lsp", *SPEEDS, "-o", target)
