@@ -32,7 +32,7 @@ Metrics = Annotated[
     list[str] | None,
     typer.Option(
         "--metric", metavar="NAME", show_default="forces, load_share",
-        help="What is kept of each run, e.g. rms:acceleration_x:lsp.sun; may be given again.",
+        help="What is kept of each run, e.g. rms:acceleration_x:lsp.sun.",
     ),
 ]  # fmt: skip
 Workers = Annotated[int | None, typer.Option("--workers", help="Processes.", show_default="the cores")]

@@ -1,5 +1,6 @@
 """Execution: points over local processes or the workers of a Dask cluster, by joblib; dead workers are outlived."""
 
+import signal
 import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
@@ -111,6 +112,18 @@ def _run(name: str, points: Sequence[int], begun: list[int], settings: dict[str,
 
     with parallel_config(**settings):
         parallel = Parallel(return_as="generator_unordered")
-    with closing(parallel(tasks())) as outcomes, warnings.catch_warnings():
+    with _without_interrupts():
+        started = parallel(tasks())
+    with closing(started) as outcomes, warnings.catch_warnings():
         warnings.filterwarnings("ignore", module="joblib", category=UserWarning)  # about points that nobody waits for
         yield from outcomes
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Hold Ctrl-C back while processes start: they inherit that, and leave it to the one that leads for good."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

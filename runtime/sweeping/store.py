@@ -151,6 +151,9 @@ def check_store(target: Path) -> None:
     check_target(target)
     if target.suffix != ".nc":
         raise LtcgearError(f"{target}: sweeps are NetCDF4 files; name it {target.with_suffix('.nc')}")
+    for path in (target, part_of(target)):
+        if path.exists():
+            _open(path)
 
 
 def load_sweep(path: str | Path) -> "xr.Dataset":
