@@ -91,8 +91,8 @@ def write(found: dict[str, float]) -> str:
         f"- {POINTS} points of `lsp`, {T_END:g} s each, with normal errors of 20 um of all four pins: one process "
         f"takes {found['one']:.0f} s, two take {found['two']:.0f} s, {found['one'] / found['two']:.2f} times as fast, "
         f"where the machine had {found['available']:.2f} for two hashes at once.\n"
-        f"- A run alone takes {run:.1f} ms of processor time, a point of the sweep {point:.1f} ms: scene, model, metrics, row and start "
-        f"add {100 * (point - run) / run:.1f} %.\n"
+        f"- A run alone takes {run:.1f} ms of processor time, a point of the sweep {point:.1f} ms: scene, model, "
+        f"metrics, row and start add {100 * (point - run) / run:.1f} %.\n"
         f"- The sun's mesh load factor K_gamma: {found['median']:.3f} in the median, {found['high']:.3f} at 95 %.\n"
     )
 
