@@ -53,11 +53,28 @@ def draw_in_our_colours(configuration: dict[str, Any], name: str) -> None:
     mpl.rcParams["axes.prop_cycle"] = mpl.cycler(color=COLOURS)
 
 
+def scrape_own_figures(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> str:  # noqa: ANN401
+    """Take the figures that ltcgear draws from an example's variables, for pyplot does not know them."""
+    from matplotlib.figure import Figure
+    from sphinx_gallery.scrapers import figure_rst
+
+    taken = []
+    for value in block_vars["example_globals"].values():
+        if not isinstance(value, Figure) or value.get_gid() == "seen":
+            continue
+        value.set_gid("seen")
+        if value.canvas.manager is None:  # pyplot's own have one until they are shown
+            taken.append(next(block_vars["image_path_iterator"]))
+            value.savefig(taken[-1], dpi=100)
+    return figure_rst(taken, gallery_conf["src_dir"])
+
+
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "examples",
     "filename_pattern": r"/plot_",
     "within_subsection_order": "FileNameSortKey",
+    "image_scrapers": (scrape_own_figures, "matplotlib"),
     "reset_modules": ("matplotlib", draw_in_our_colours),
     "abort_on_example_error": True,
     "download_all_examples": False,

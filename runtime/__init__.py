@@ -13,11 +13,13 @@ _HOME = {
     "integrate": "integration",
     "linearise": "linear.system",
     "load": "results",
+    "load_sweep": "sweeping.store",
     "record": "recording",
     "respond": "linear.response",
     "save": "results",
     "simulate": "simulation",
     "simulate_many": "ensemble",
+    "sweep": "sweeping.run",
     "write_report": "report.page",
 }
 __all__ = list(_HOME)

@@ -4,6 +4,7 @@ import json
 import math
 import sys
 from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import version
 from typing import Any
 
@@ -52,6 +53,7 @@ def finite(data: Any) -> Any:  # noqa: ANN401
     return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
+@cache
 def _versions() -> dict[str, Any]:
     """Return the versions at work."""
     versions = {name: version(name) for name in ("ltcgear", "casadi", "numpy", "xarray")}

@@ -89,18 +89,18 @@ def read_checkpoint(target: Path, description: Mapping[str, Any]) -> Snapshot:
         found = json.loads(str(kept.pop("description")))
     except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
         raise LtcgearError(f"{path}: damaged ({error}); {AGAIN}") from error
-    differences = list(_differences(found, json.loads(json.dumps(description))))
+    differences = tell_differences(found, description)
     if differences:
-        more = f" and {len(differences) - SHOWN} more" if len(differences) > SHOWN else ""
-        told = "; ".join(differences[:SHOWN]) + more
-        raise LtcgearError(f"{path}: of another run: {told}; give the same, or {AGAIN}")
+        raise LtcgearError(f"{path}: of another run: {differences}; give the same, or {AGAIN}")
     return kept
 
 
-def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
-    """Say what differs between two descriptions."""
+def tell_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
+    """Say what differs between a description that was kept and one at hand; nothing where they are equal."""
+    here = json.loads(json.dumps(here))
     names = [name for name in {**here, **there} if here.get(name) != there.get(name)]
-    return [_difference(name, there.get(name), here.get(name)) for name in names]
+    told = [_difference(name, there.get(name), here.get(name)) for name in names[:SHOWN]]
+    return "; ".join(told) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
 
 
 def _difference(name: str, there: Any, here: Any) -> str:  # noqa: ANN401

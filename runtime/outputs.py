@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-def find_columns(dataset: "xr.Dataset", wanted: list[str]) -> dict[str, list[str] | None]:
+def find_columns(dataset: "xr.Dataset", wanted: list[str], option: str = "--output ") -> dict[str, list[str] | None]:
     """Return quantity -> items that are wanted of it; None where it is wanted as a whole, or has no items.
 
     Parameters
@@ -18,6 +18,8 @@ def find_columns(dataset: "xr.Dataset", wanted: list[str]) -> dict[str, list[str
         A result's data.
     wanted
         QUANTITY or QUANTITY:ITEM each.
+    option
+        What stands before an output that is refused, as the user gave it.
 
     Raises
     ------
@@ -27,9 +29,9 @@ def find_columns(dataset: "xr.Dataset", wanted: list[str]) -> dict[str, list[str
     found: dict[str, list[str] | None] = {}
     for output in wanted:
         quantity, _, item = output.partition(":")
-        items = _items(dataset, output, quantity)
+        items = _items(dataset, option + output, quantity)
         if item and item not in items:
-            raise LtcgearError(f"--output {output}: {quantity} has no such item; {_nearest(item, items)}")
+            raise LtcgearError(f"{option}{output}: {quantity} has no such item; {nearest(item, items)}")
         if not item:
             found[quantity] = None
         elif (others := found.setdefault(quantity, [])) is not None and item not in others:
@@ -41,13 +43,13 @@ def _items(dataset: "xr.Dataset", output: str, quantity: str) -> list[str]:
     """Return the items of a quantity over time; none of one that has no items."""
     known = [str(name) for name, variable in dataset.data_vars.items() if "time" in variable.dims]
     if quantity not in known:
-        raise LtcgearError(f"--output {output}: no such quantity; {_nearest(quantity, known)}")
+        raise LtcgearError(f"{output}: no such quantity; {nearest(quantity, known)}")
     variable = dataset[quantity]
     dimensions = [name for name in variable.dims if name != "time"]
     return [str(item) for item in variable[dimensions[0]].values] if dimensions else []
 
 
-def _nearest(name: str, known: list[str]) -> str:
+def nearest(name: str, known: list[str]) -> str:
     """Say what is meant perhaps, or what there is."""
     near = get_close_matches(name, known, 1)
     return f'did you mean "{near[0]}"?' if near else f"there are {', '.join(known) or 'none'}"

@@ -9,7 +9,7 @@ the last digits of an integration are noise, so a fifth of the room is all that 
 the run itself takes.
 """
 
-from collections.abc import Hashable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -27,22 +27,14 @@ if TYPE_CHECKING:
 
 
 MARK = -1.7281924756351e-306
-"""A time that no run knows; it stands in a new file's only record until the first row takes its place."""
+"""A time that no run knows; by it a new file's records are found."""
+BEGIN, PLACE = "records_begin", -3.9471520846213e-306
+"""Attribute that tells where the records begin [bytes], and what stands there until that is known."""
 
 
 def part_of(target: Path) -> Path:
     """Return where the rows of a result under way are."""
     return target.with_suffix(".part.nc")
-
-
-@contextmanager
-def _writing(path: Path) -> Iterator[None]:
-    """Say what cannot be written, and that the run is not lost."""
-    try:
-        yield
-    except (OSError, RuntimeError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise LtcgearError(f"{path}: cannot be written: {reason}; make room, then --resume goes on") from error
 
 
 class Part:
@@ -55,7 +47,9 @@ class Part:
     heading
         The result without any row.
     kept
-        Rows that the file holds already and that are to stay, and where they begin [bytes]; None makes a new file.
+        Rows that the file holds already and that are to stay; None makes a new file.
+    along
+        Dimension of the rows: the variables over it change from row to row.
 
     Raises
     ------
@@ -63,43 +57,44 @@ class Part:
         If the file cannot be written, or does not hold the rows.
     """
 
-    def __init__(self, target: Path, heading: "xr.Dataset", kept: tuple[int, int] | None = None) -> None:
-        self.target, self.path = target, part_of(target)
+    goes_on, again = "--resume goes on", "simulate again without --resume"
+    """How one goes on where room was made, and what is to be done where the file is of no use."""
+
+    def __init__(self, target: Path, heading: "xr.Dataset", kept: int | None = None, along: str = "time") -> None:
+        self.target, self.path, self.along = target, part_of(target), along
         if kept is None:
-            with _writing(self.path):
-                _write_heading(self.path, heading)
-        self.record, found = self._layout()
-        self.rows, self.begin = kept or (0, self._first_record())
-        if found < self.rows or set(self.record.names or ()) != {
-            str(n) for n in heading.variables if _moves(heading, n)
-        }:
+            with self._writing(self.path):
+                _write_heading(self.path, heading, along)
+        self.record, found, self.begin = self._layout()
+        self.rows = kept or 0
+        if found < self.rows or set(self.record.names or ()) != set(_moving(heading, along)):
             raise LtcgearError(
-                f"{self.path}: holds {found} samples where the checkpoint counts {self.rows}; "
-                "simulate again without --resume"
+                f"{self.path}: holds {found} samples where the checkpoint counts {self.rows}; {self.again}"
             )
-        with _writing(self.path):
+        with self._writing(self.path):
             self.file = self.path.open("r+b", buffering=0)
             self._count(self.rows)
 
-    def _layout(self) -> tuple[np.dtype[np.void], int]:
-        """Return what a record is made of, in the file's order, and how many there are."""
+    @contextmanager
+    def _writing(self, path: Path) -> Iterator[None]:
+        """Say what cannot be written, and that the rows are not lost."""
+        try:
+            yield
+        except (OSError, RuntimeError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise LtcgearError(f"{path}: cannot be written: {reason}; make room, then {self.goes_on}") from error
+
+    def _layout(self) -> tuple[np.dtype[np.void], int, int]:
+        """Return what a record is made of, in the file's order, how many there are, and where they begin [bytes]."""
         import netCDF4
 
         try:
             with netCDF4.Dataset(self.path) as file:
-                moving = [v for v in file.variables.values() if v.dimensions[:1] == ("time",)]
+                moving = [v for v in file.variables.values() if v.dimensions[:1] == (self.along,)]
                 record = np.dtype([(v.name, v.dtype.newbyteorder(">"), v.shape[1:]) for v in moving])
-                return record, len(file.dimensions["time"])
-        except (OSError, RuntimeError, KeyError) as error:
-            raise LtcgearError(f"{self.path}: cannot be read ({error}); simulate again without --resume") from error
-
-    def _first_record(self) -> int:
-        """Return where the records begin [bytes], by the mark that the first one bears: files may be padded."""
-        whole, mark = self.path.read_bytes(), np.array(MARK, ">f8").tobytes()
-        if whole.count(mark) != 1:
-            raise LtcgearError(f"{self.path}: holds its mark {whole.count(mark)} times; simulate without -o")
-        fields: Mapping[str, Any] = self.record.fields or {}
-        return whole.index(mark) - int(fields["time"][1])
+                return record, len(file.dimensions[self.along]), int(file.getncattr(BEGIN))
+        except (OSError, RuntimeError, KeyError, AttributeError) as error:
+            raise LtcgearError(f"{self.path}: cannot be read ({error}); {self.again}") from error
 
     def __enter__(self) -> "Part":
         """Use the file."""
@@ -111,10 +106,10 @@ class Part:
 
     def append(self, columns: Mapping[str, NDArray[Any]]) -> None:
         """Append rows, given by variable; once this returns they outlast the program."""
-        records = np.empty(len(columns["time"]), self.record)
+        records = np.empty(len(columns[self.along]), self.record)
         for name in self.record.names or ():
             records[name] = columns[name]
-        with _writing(self.path):
+        with self._writing(self.path):
             self._put(self.begin + self.rows * self.record.itemsize, records.view(np.uint8).data)
             self._count(self.rows + len(records))
         self.rows += len(records)
@@ -146,7 +141,7 @@ class Part:
 
         draft = self.target.with_name(f".draft-{self.target.name}")
         try:
-            with _writing(self.target):
+            with self._writing(self.target):
                 fixed = heading.drop_dims("time")
                 fixed.encoding = {}
                 summed = {name: {"fletcher32": True} for name, data in fixed.variables.items() if has_sum(data)}
@@ -184,17 +179,41 @@ class Part:
             yield np.fromfile(self.path, self.record, count, offset=place)
 
 
-def _moves(heading: "xr.Dataset", name: Hashable) -> bool:
-    """Say whether a variable changes over time."""
-    return "time" in heading[name].dims
+def _moving(heading: "xr.Dataset", along: str) -> list[str]:
+    """Return the variables that change from row to row."""
+    return [str(name) for name, variable in heading.variables.items() if along in variable.dims]
 
 
-def _write_heading(path: Path, heading: "xr.Dataset") -> None:
-    """Write a part's heading and the room of one record."""
-    one = heading.reindex(time=[MARK], fill_value=0)
-    kinds = {"f": np.float64, "i": np.int32}
-    wide = {name: one[name].astype(kinds[heading[name].dtype.kind]) for name in heading if _moves(heading, name)}
-    one = one.assign(wide).assign_attrs(heading.attrs)
+def _write_heading(path: Path, heading: "xr.Dataset", along: str) -> None:
+    """Write a part without any row; it appears whole or not at all."""
+    one = heading.reindex({along: [MARK]}, fill_value=0)
+    kinds: dict[str, Any] = {"f": np.float64, "i": np.int32}
+    moving = {name: heading[name].dtype for name in _moving(heading, along) if name in heading.data_vars}
+    wide = {name: one[name].astype(kinds.get(dtype.kind, dtype)) for name, dtype in moving.items()}
+    one = one.assign(wide).assign_attrs({**heading.attrs, BEGIN: PLACE})
     plain = {name: {"_FillValue": None} for name in heading.variables}
-    form: Any = {"engine": "netcdf4", "format": "NETCDF3_64BIT", "unlimited_dims": ["time"]}
-    one.to_netcdf(path, encoding=plain, **form)
+    form: Any = {"engine": "netcdf4", "format": "NETCDF3_64BIT", "unlimited_dims": [along]}
+    draft = path.with_name(f".draft-{path.name}")
+    try:
+        one.to_netcdf(draft, encoding=plain, **form)
+        draft.write_bytes(_without_rows(draft, along))
+        draft.replace(path)
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def _without_rows(path: Path, along: str) -> bytes:
+    """Return a file of one record as one of none, which tells where its records begin: files may be padded."""
+    import netCDF4
+
+    with netCDF4.Dataset(path) as file:
+        sizes = [(v.name, v.dtype.itemsize * int(np.prod(v.shape[1:]))) for v in file.variables.values()
+                 if v.dimensions[:1] == (along,)]  # fmt: skip
+    before = sum(size for _, size in sizes[: [name for name, _ in sizes].index(along)])
+    whole = path.read_bytes()
+    marks = [np.array(value, ">f8").tobytes() for value in (PLACE, MARK)]
+    for mark in marks:
+        if whole.count(mark) != 1:
+            raise LtcgearError(f"{path}: holds its mark {whole.count(mark)} times; simulate without -o")
+    begin = np.array(whole.index(marks[1]) - before, ">f8").tobytes()
+    return whole[:4] + bytes(4) + whole[8:].replace(marks[0], begin)

@@ -1,13 +1,21 @@
 """A progress bar with simulated time, speed and time left; only on a terminal."""
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
+from typing import Protocol
+
+
+class Told(Protocol):
+    """To be called with what is reached, and a note that is shown beside it."""
+
+    def __call__(self, now: float, note: str = "") -> None:
+        """Show it."""
 
 
 @contextmanager
-def progress(title: str, end: float, unit: str = "s") -> Iterator[Callable[[float], None]]:
+def progress(title: str, end: float, unit: str = "s") -> Iterator[Told]:
     """Show the progress of a simulation on stderr.
 
     Parameters
@@ -25,7 +33,7 @@ def progress(title: str, end: float, unit: str = "s") -> Iterator[Callable[[floa
         To be called with the simulated time.
     """
     if not sys.stderr.isatty():
-        yield lambda now: None
+        yield lambda now, note="": None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -44,8 +52,8 @@ def progress(title: str, end: float, unit: str = "s") -> Iterator[Callable[[floa
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=end, speed="")
 
-        def told(now: float) -> None:
-            speed = f"{now / max(perf_counter() - start, 1e-9):.2f} s simulated a second" if timed else ""
+        def told(now: float, note: str = "") -> None:
+            speed = f"{now / max(perf_counter() - start, 1e-9):.2f} s simulated a second" if timed else note
             bar.update(task, completed=now, speed=speed)
 
         yield told

@@ -156,7 +156,7 @@ class Recorder:
         else:
             self.reader.restore(kept)
         heading = self._heading({**attributes, "status": UNDER_WAY})
-        self.part = Part(target, heading, None if kept is None else (int(kept["part.rows"]), int(kept["part.begin"])))
+        self.part = Part(target, heading, None if kept is None else int(kept["part.rows"]))
 
     def take(self, block: Block) -> None:
         """Read a block and append its rows."""
@@ -164,10 +164,7 @@ class Recorder:
 
     def snapshot(self) -> Snapshot:
         """Return all that it needs to go on."""
-        return self.reader.snapshot() | {
-            "part.rows": np.array(self.part.rows),
-            "part.begin": np.array(self.part.begin),
-        }
+        return self.reader.snapshot() | {"part.rows": np.array(self.part.rows)}
 
     def finish(self, outcome: Outcome) -> dict[str, Any]:
         """Append the last rows; return the statistics of the mesh forces."""

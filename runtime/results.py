@@ -227,6 +227,8 @@ def load(path: str | Path) -> Result:
 
 def _check_form(path: Path, dataset: "xr.Dataset") -> None:
     """Refuse a file that is no result, or one of another form."""
+    if "sweep_format" in dataset.attrs:
+        raise LtcgearError(f"{path}: a sweep, not the result of one run; ltcgear.runtime.load_sweep reads it")
     version, form = dataset.attrs.get("ltcgear"), dataset.attrs.get("result_format", 0)
     if version is None:
         raise LtcgearError(f"{path}: not a result of ltcgear; give a file that `ltcgear simulate -o` wrote")

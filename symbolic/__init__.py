@@ -13,6 +13,7 @@ _HOME = {
     "make_scene": "scene",
     "restore_scene": "scene",
     "shipped_scenes": "scene",
+    "Template": "template",
     "build_model": "build",
     "derive": "equations",
     "generate": "pipeline",

@@ -6,11 +6,13 @@ here needs SymPy, so a model whose C is already in the store is ready without de
 """
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 
 from ltcgear.generated.contract import Clock, Signal
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
+UNSHAPED = ("title", "name", "effects", "statics", "tables")
+"""Parts of a model that leave its C as it is."""
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
 HOLD = "hold."
 """How the parameters begin that hold a regime while an integrator is under way; 0 lets the state decide."""
@@ -159,11 +161,9 @@ class Model:
 
     def structure(self) -> str:
         """Return all that shapes the C, as canonical JSON: no title, no number."""
-        shape = asdict(self)
-        for key in ("title", "name", "effects", "statics", "tables"):
-            del shape[key]
+        shape = {key: value for key, value in vars(self).items() if key not in UNSHAPED}
         shape["parameters"] = [(p.name, p.unit) for p in self.parameters]
-        return json.dumps(shape, sort_keys=True, separators=(",", ":"))
+        return json.dumps(shape, sort_keys=True, separators=(",", ":"), default=vars)
 
     def values(self) -> dict[str, float]:
         """Return parameter name -> value in SI, in the order of the C."""

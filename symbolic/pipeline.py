@@ -13,6 +13,13 @@ from .model import Model
 
 
 @cache
+def _surroundings() -> str:
+    """Return the digest of all that decides, beside a structure, what is derived: source text, versions at work."""
+    from importlib.metadata import version
+
+    return store.digest([_sources(), version("casadi"), version("sympy")])
+
+
 def _sources() -> str:
     """Return the text of everything that decides what is derived from a structure, and whether it may be emitted."""
     here = Path(__file__).parent
@@ -24,9 +31,7 @@ def _sources() -> str:
 
 def content_key(model: Model) -> str:
     """Return the key under which a model's C is kept: structure, source text of the equations, versions at work."""
-    from importlib.metadata import version
-
-    return store.digest([model.structure(), _sources(), version("casadi"), version("sympy")])
+    return store.digest([model.structure(), _surroundings()])
 
 
 def generate(model: Model, told: Callable[[str, float], None] = lambda stage, seconds: None) -> Artifact:

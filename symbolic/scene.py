@@ -14,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 
 from . import schema
 from .schema import Scene
-from .series import FOLDER
+from .series import FILES, FOLDER, Files
 from .validate import validate, validate_parts
 
 Raw = dict[str, Any]
@@ -72,18 +72,34 @@ def load_scene(source: str | Path, changes: Mapping[str, str] | None = None) -> 
     SceneError
         If the scene cannot be found or has defects; the message lists all of them.
     """
+    label, _, raw = read_tables(source)
+    put_changes(raw, changes or {}, label)
+    return make_scene(raw, name=Path(str(source)).stem, label=label, folder=find_folder(source))
+
+
+def read_tables(source: str | Path) -> tuple[str, str, Raw]:
+    """Return what heads the messages about a scene, its text, and its tables as TOML gives them.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read, or is no TOML.
+    """
     label, text = _read(source)
     try:
-        raw = tomllib.loads(text)
+        return label, text, tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise SceneError(f"{label}: not valid TOML: {_clean(str(error))}") from error
-    for key, value in (changes or {}).items():
-        _put(raw, key, value, label)
-    folder = Path(str(SHIPPED)) if str(source) in shipped_scenes() else Path(source).parent
-    return make_scene(raw, name=Path(str(source)).stem, label=label, folder=folder)
 
 
-def make_scene(raw: Raw, name: str = "scene", label: str = "scene", folder: Path | None = None) -> Scene:
+def find_folder(source: str | Path) -> Path:
+    """Return where the files that a scene names are looked up."""
+    return Path(str(SHIPPED)) if str(source) in shipped_scenes() else Path(source).parent
+
+
+def make_scene(
+    raw: Raw, name: str = "scene", label: str = "scene", folder: Path | None = None, files: Files | None = None
+) -> Scene:
     """Check a raw scene (what TOML gives) and freeze it.
 
     Parameters
@@ -96,6 +112,8 @@ def make_scene(raw: Raw, name: str = "scene", label: str = "scene", folder: Path
         What heads the messages.
     folder
         Where the files it names are looked up; the current folder where left out.
+    files
+        Tables of files that were read before, which are not read again; those that are read now are added.
     """
     sources: dict[str, str] = {}
     faults: list[str] = []
@@ -107,7 +125,7 @@ def make_scene(raw: Raw, name: str = "scene", label: str = "scene", folder: Path
         if key in plain:
             faults.append(f"{key}: is set by ltcgear; remove it")
             del plain[key]
-    return _freeze(plain, name, sources, label, faults, folder)
+    return _freeze(plain, name, sources, label, faults, {FOLDER: folder or Path(), FILES: files})
 
 
 def restore_scene(text: str) -> Scene:
@@ -142,10 +160,10 @@ def describe_scene(scene: Scene, text: str = "", changes: Mapping[str, str] | No
 
 
 def _freeze(
-    plain: Raw, name: str, sources: dict[str, str], label: str, faults: list[str], folder: Path | None = None
+    plain: Raw, name: str, sources: dict[str, str], label: str, faults: list[str], context: Raw | None = None
 ) -> Scene:
     """Make the Scene of plain values, or tell all that is wrong, ``faults`` included."""
-    context = {FOLDER: folder or Path()}
+    context = context or {FOLDER: Path()}
     try:
         scene = Scene.model_validate({**plain, "name": name, "sources": sources}, context=context)
     except ValidationError as error:
@@ -184,22 +202,53 @@ def _read(source: str | Path) -> tuple[str, str]:
     return label, text
 
 
+def put_changes(raw: Raw, changes: Mapping[str, str], label: str) -> None:
+    """Put values in place of a scene's, by dotted key.
+
+    Raises
+    ------
+    SceneError
+        If a key leads nowhere.
+    """
+    for key, value in changes.items():
+        _put(raw, key, value, label)
+
+
 def _put(raw: Raw, key: str, value: str, label: str) -> None:
-    """Set one dotted key; the value is read as TOML where it is TOML, else as text."""
+    """Set one dotted key, whole numbers being places in lists; the value is read as TOML where it is, else as text."""
     try:
         read = tomllib.loads(f"v = {value}")
         parsed = read["v"] if len(read) == 1 else value
     except (ValueError, RecursionError):
         parsed = value
-    *path, last = key.split(".")
+    path = key.split(".")
     table: Any = raw
-    for part in path:
-        table = table.setdefault(part, {})
-        if not isinstance(table, dict):
-            raise SceneError(f"{label}: {_clean(key)}: {part!r:.60} is a value, not a table")
-    table[last] = parsed
-    if last == "value" and "source" in table:  # the file's label does not speak for another value
+    for i, part in enumerate(path):
+        fault = _fault_of_place(table, path[:i], part)
+        if fault:
+            raise SceneError(f"{label}: {_clean(key)}: {fault}")
+        place: Any = int(part) if isinstance(table, list) else part
+        if i + 1 == len(path):
+            table[place] = parsed
+        else:
+            table = table[place] if isinstance(table, list) else table.setdefault(place, {})
+    if path[-1] == "value" and "source" in table:  # the file's label does not speak for another value
         table["source"] = "assumed: set in place of the file's value"
+
+
+def _fault_of_place(table: Any, above: list[str], part: str) -> str:  # noqa: ANN401
+    """Say why what stands under some keys has no place of a name, or nothing where it has."""
+    here = ".".join(above)
+    if not isinstance(table, list | dict):
+        return f"{above[-1]!r:.60} is a value, not a table"
+    if isinstance(table, dict):
+        if not part.isdecimal() or not above or table:
+            return ""
+        return f"{here} is no list yet, so it has no place {part}; set the whole list first, {here}='[...]'"
+    if part.isascii() and part.isdecimal() and int(part) < len(table):
+        return ""
+    count = f"the places 0 to {len(table) - 1}" if table else "no places"
+    return f"the list {here} has {count}, not {part!r:.60}; set the whole list first, {here}='[...]'"
 
 
 def _split_sources(node: Any, path: tuple[str, ...], sources: dict[str, str], faults: list[str]) -> Any:  # noqa: ANN401

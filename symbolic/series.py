@@ -2,10 +2,11 @@
 
 import csv
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import core_schema
@@ -22,8 +23,10 @@ MOST_TOLD = 5
 HEADING = re.compile(r"[^\[\]]*\S\s*\[([^\[\]]*)\]\s*")
 PLAIN = ("", "1", "-")
 """How a header may write the unit of a plain number."""
-FOLDER = "folder"
-"""Key of pydantic's validation context: the folder of the scene file."""
+FOLDER, FILES = "folder", "files"
+"""Keys of pydantic's validation context: the folder of the scene file, and tables that were read before."""
+Files = dict[tuple[str, str, str], Pairs]
+"""Tables by name of the file and units of its columns."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ class Series:
             If it is no such table; each line of the message tells row, reason and cure.
         """
         if isinstance(value, str):
-            return self._file(value, (info.context or {}).get(FOLDER, Path()))
+            return self._kept_file(value, info.context or {})
         if not isinstance(value, list | tuple):
             raise ValueError(f"must be a list of pairs or the name of a CSV file, not {value!r:.60}; {self._example()}")
         rows = [(f"row {i}", row) for i, row in enumerate(value, start=1)]
@@ -71,6 +74,17 @@ class Series:
         """Say how a table is written."""
         zero, one = ([f"{n} {unit}".strip() for unit in (self.first, self.second)] for n in (0, 1))
         return f'write it like [["{zero[0]}", "{zero[1]}"], ["{one[0]}", "{one[1]}"]]'
+
+    def _kept_file(self, name: str, context: Mapping[str, Any]) -> Pairs:
+        """Read a CSV file, unless that was done before."""
+        files: Files | None = context.get(FILES)
+        key = (name, self.first, self.second)
+        if files is not None and key in files:
+            return files[key]
+        pairs = self._file(name, context.get(FOLDER, Path()))
+        if files is not None:
+            files[key] = pairs
+        return pairs
 
     def _file(self, name: str, folder: Path) -> Pairs:
         """Read a CSV file."""

@@ -9,7 +9,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..statistics import group_of
-from .trace import FloatArray, list_items, pick, read_trace
+from .trace import FEWEST, FloatArray, list_items, pick, read_trace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,8 +81,7 @@ def find_load_share(dataset: xr.Dataset, group: str) -> LoadShare:
     if len(meshes) < 2:
         several = [name for name, members in groups.items() if len(members) > 1]
         raise LtcgearError(f"{group}: no group of several meshes; there are {', '.join(several) or 'none'}")
-    traces = [read_trace(pick(dataset, "mesh_force", mesh)) for mesh in meshes]
-    force = np.stack([one.values for one in traces], axis=1)
+    time, force = _read_forces(dataset, meshes)
     total = force.mean(axis=1)
     middle = float(total.mean())
     if not abs(middle) > 1e-9 * float(np.abs(force).max()):
@@ -92,4 +91,14 @@ def find_load_share(dataset: xr.Dataset, group: str) -> LoadShare:
     none = np.full(len(meshes), np.nan)
     known = bool((carried > WEAK).any())
     low, high = (np.nanmin(share, axis=0), np.nanmax(share, axis=0)) if known else (none, none)
-    return LoadShare(group, tuple(meshes), force.mean(axis=0) / middle, low, high, traces[0].time, share)
+    return LoadShare(group, tuple(meshes), force.mean(axis=0) / middle, low, high, time, share)
+
+
+def _read_forces(dataset: xr.Dataset, meshes: list[str]) -> tuple[FloatArray, FloatArray]:
+    """Return the instants and the forces of some meshes, shape (n, meshes); `read_trace` says what is wrong."""
+    listed, signal = list_items(dataset, "mesh_force"), dataset["mesh_force"].transpose("time", ...)
+    force = np.asarray(signal.values, dtype=np.float64)[:, [listed.index(mesh) for mesh in meshes]]
+    if len(force) < FEWEST or not np.isfinite(force).all():
+        for mesh in meshes:
+            read_trace(pick(dataset, "mesh_force", mesh))
+    return np.asarray(signal["time"].values, dtype=np.float64), force

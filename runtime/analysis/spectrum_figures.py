@@ -178,14 +178,26 @@ def _resolved(waterfall: Waterfall) -> str:
 
 
 def draw_waterfall(
-    waterfall: Waterfall, courses: Mapping[str, FloatArray] | None = None, highest: float | None = None
+    waterfall: Waterfall,
+    courses: Mapping[str, FloatArray] | None = None,
+    highest: float | None = None,
+    *,
+    places: tuple[FloatArray, str] | None = None,
+    harmonics: int = 1,
 ) -> Figure:
     """Draw spectra one above another, by the shaft's speed where that only rises or only falls, else by time.
 
-    Parameters are those of `draw_spectrogram`; of each mesh the first harmonic is marked.
+    Parameters
+    ----------
+    waterfall, courses, highest
+        As for `draw_spectrogram`.
+    places
+        Where spectra stand and what the axis says, in place of speed or time.
+    harmonics
+        Of each mesh that are marked.
     """
     end = float(waterfall.frequency[-1]) if highest is None else highest
-    place, label = _places(waterfall)
+    place, label = places or _places(waterfall)
     figure, axes = open_axes(f"Waterfall: {waterfall.title}", "frequency [Hz]", label, 1.5 * HEIGHT)
     kept = np.unique(np.linspace(0, place.size - 1, min(ROWS, place.size)).astype(int))
     inside = (waterfall.frequency > 0.0) & (waterfall.frequency <= end)
@@ -199,7 +211,10 @@ def draw_waterfall(
         axes.fill(frequency[[0, *range(row.size), -1]], outline, fc="white", ec=BLUE, lw=0.8)
     axes.plot([], [], color=BLUE, lw=0.8, label=f"tallest: {top / size:.3g} {unit}\n{_resolved(waterfall)}")
     for number, (stage, course) in enumerate((courses or {}).items()):
-        axes.plot(course, place, (":", "--", "-.")[number % 3], color=VERMILLION, lw=1.1, label=f"1 {stage}")
+        for harmonic in range(1, harmonics + 1):
+            name = f"1 {stage}" if harmonics == 1 else f"{stage} mesh, harmonics 1 to {harmonics}"
+            dash = (":", "--", "-.")[number % 3]
+            axes.plot(harmonic * course, place, dash, color=VERMILLION, lw=1.1, label=name if harmonic == 1 else None)
     axes.set_xlim(0.0, end)
     finish_axes(axes)
     return figure

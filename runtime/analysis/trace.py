@@ -81,7 +81,7 @@ def name_of(signal: xr.DataArray) -> str:
     return ":".join([str(signal.name or "signal"), *items[:1]])
 
 
-def select_output(dataset: xr.Dataset, wanted: str) -> tuple[xr.DataArray, ...]:
+def select_output(dataset: xr.Dataset, wanted: str, option: str = "--output ") -> tuple[xr.DataArray, ...]:
     """Find an output by QUANTITY:ITEM.
 
     Parameters
@@ -90,6 +90,8 @@ def select_output(dataset: xr.Dataset, wanted: str) -> tuple[xr.DataArray, ...]:
         Simulation result.
     wanted
         Such as ``mesh_force:psh.mesh``; ``acceleration:lsp.sun`` stands for both axes.
+    option
+        What stands before an output that is refused, as the user gave it.
 
     Returns
     -------
@@ -103,10 +105,10 @@ def select_output(dataset: xr.Dataset, wanted: str) -> tuple[xr.DataArray, ...]:
     """
     quantity, _, item = wanted.partition(":")
     if not item:
-        raise LtcgearError(f"--output {wanted}: write QUANTITY:ITEM, for example mesh_force:psh.mesh")
+        raise LtcgearError(f"{option}{wanted}: write QUANTITY:ITEM, for example mesh_force:psh.mesh")
     pair = [quantity + axis for axis in AXES]
     names = pair if all(name in dataset for name in pair) else [quantity]
-    find_columns(dataset, [f"{name}:{item}" for name in names])
+    find_columns(dataset, [f"{name}:{item}" for name in names], option)
     return tuple(pick(dataset, name, item) for name in names)
 
 

@@ -18,6 +18,7 @@ from . import (
     results,
     running,
     stability,
+    sweeping,
     testing,
 )
 from .app import app, main
@@ -37,5 +38,6 @@ __all__ = [
     "results",
     "running",
     "stability",
+    "sweeping",
     "testing",
 ]

@@ -1,0 +1,151 @@
+"""Command that simulates a scene at many points: sweep."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from ltcgear.generated.errors import SolverError
+
+from .. import present
+from ..options import AsJson, Changes, EndTime, Method, SceneName, Tolerance
+from ..progress import progress
+from ..results import make_folder
+from .app import InterruptedRunError, app
+from .opening import split_changes
+
+if TYPE_CHECKING:
+    from ltcgear.symbolic.template import Template
+
+    from ..sweeping.run import Told
+
+Vary = Annotated[
+    list[str],
+    typer.Option("--vary", metavar="KEY=VALUES", help="What varies: KEY=a:b:n, KEY=a:b or KEY=v1,v2; once a key."),
+]
+Sample = Annotated[str, typer.Option("--sample", help="grid, lhs, sobol, normal (KEY=mean:deviation) or saltelli.")]
+Points = Annotated[int | None, typer.Option("--points", metavar="N", help="Points to draw.", show_default="the grid's")]
+Seed = Annotated[int, typer.Option("--seed", help="Of the random numbers; the same seed gives the same points.")]
+Metrics = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--metric", metavar="NAME", show_default="forces, load_share",
+        help="What is kept of each run, e.g. rms:acceleration_x:lsp.sun.",
+    ),
+]  # fmt: skip
+Workers = Annotated[int | None, typer.Option("--workers", help="Processes.", show_default="the cores")]
+Scheduler = Annotated[
+    str | None,
+    typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers compute.", show_default="none"),
+]
+SweepFile = Annotated[Path, typer.Option("-o", "--output", help="NetCDF4 file to write or to go on with, .nc.")]
+Figures = Annotated[
+    Path | None, typer.Option("--figures", metavar="DIR", help="Folder for figures.", show_default="none")
+]
+
+SHOWN = 5
+"""Reasons of failed points that are shown."""
+
+
+@app.command()
+def sweep(
+    scene: SceneName,
+    vary: Vary,
+    output: SweepFile,
+    sample: Sample = "grid",
+    points: Points = None,
+    seed: Seed = 0,
+    metric: Metrics = None,
+    t_end: EndTime = None,
+    method: Method = "auto",
+    rtol: Tolerance = 1e-6,
+    workers: Workers = None,
+    scheduler: Scheduler = None,
+    figures: Figures = None,
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Simulate a scene at many points, and keep metrics of each. Run again, it goes on where it was stopped."""
+    from ltcgear.symbolic.template import Template
+
+    from ..sweeping.run import sweep as sweep_scene
+
+    template = Template(scene, split_changes(changes))
+    _warn(template)
+    if figures is not None:
+        make_folder(figures)
+    drawn: dict[str, Any] = {"sample": sample, "points": points, "seed": seed}
+    runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "workers": workers, "scheduler": scheduler}
+    try:
+        with _bars(template.name) as told:
+            summary = sweep_scene(template, vary, output, metrics=metric, told=told, **drawn, **runs)
+    except KeyboardInterrupt:
+        raise InterruptedRunError("stopped; rows are kept, the same command goes on") from None
+    if figures is not None:
+        summary["figures"] = _draw(output, figures)
+    present.show(as_json, summary, _present)
+    if summary["failed"] == summary["points"]:
+        raise SolverError(f"all {summary['points']} points failed; {output} has the reasons")
+
+
+def _warn(template: "Template") -> None:
+    """Tell what is doubtful about the scene as it is, where it can be built without being varied."""
+    from ltcgear.generated.errors import SceneError
+    from ltcgear.symbolic.advice import warnings
+    from ltcgear.symbolic.build import build_model
+    from ltcgear.symbolic.report import load_warnings
+
+    try:
+        scene = template.scene({})
+        lines = [*warnings(scene, build_model(scene)), *load_warnings(scene)]
+    except SceneError:
+        return
+    for line in lines:
+        print(f"ltcgear: warning: {template.label}: {line}", file=sys.stderr)
+
+
+@contextmanager
+def _bars(scene: str) -> Iterator["Told"]:
+    """Show how far a sweep is, on a terminal: variants that are built, then points."""
+    titles = {"build": (f"build {scene}", "variants"), "simulate": (f"sweep {scene}", "points")}
+    bars: dict[str, Any] = {}
+    with ExitStack() as open_bar:
+
+        def told(stage: str, done: int, total: int, failed: int) -> None:
+            if stage not in bars:
+                open_bar.close()
+                bars[stage] = open_bar.enter_context(progress(titles[stage][0], total, titles[stage][1]))
+            bars[stage](done, f"{failed} failed" if failed else "")
+
+        yield told
+
+
+def _draw(file: Path, folder: Path) -> list[str]:
+    """Draw a sweep into a folder; return the files."""
+    from ..plots import save_figure
+    from ..sweeping.figures import draw_sweep
+    from ..sweeping.store import load_sweep
+
+    files = []
+    for name, figure in draw_sweep(load_sweep(file)).items():
+        files.append(str(folder / f"{name}.svg"))
+        save_figure(figure, folder / f"{name}.svg")
+    return files
+
+
+def _present(summary: dict[str, Any]) -> None:
+    """Print a sweep for people."""
+    from ..sweeping.listing import list_tables
+    from ..sweeping.store import load_sweep
+
+    figures = [Path(file) for file in summary.get("figures", [])]
+    present.listed(list_tables(load_sweep(Path(summary["file"]))), figures)
+    for note in summary["notes"]:
+        print(note)
+    for reason, count in list(summary["reasons"].items())[:SHOWN]:
+        print(f"failed, {count} of {summary['points']}: {reason}")
+    kept = f", {summary['kept']} were there" if summary["kept"] else ""
+    done = f"{summary['computed']} points computed" if summary["computed"] else "finished before, nothing computed"
+    print(f"{done}{kept}; {summary['failed']} failed; {summary['file']}")

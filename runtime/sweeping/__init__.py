@@ -1,0 +1,1 @@
+"""Sweeps: many runs of one model, their metrics, and what these say."""

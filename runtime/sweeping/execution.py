@@ -1,0 +1,129 @@
+"""Execution: points over local processes or the workers of a Dask cluster, by joblib; dead workers are outlived."""
+
+import signal
+import warnings
+from collections.abc import Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager, closing, contextmanager
+from typing import Any, Protocol
+
+from ltcgear.generated.errors import LtcgearError
+
+from .task import Outcome, Plan, forget_plan, keep_plan, run_point, start_process
+
+INSTALL = "pip install 'ltcgear[sweep]'"
+DIED = "the process died that computed this point, twice; {}"
+
+
+class Pool(Protocol):
+    """Where points are computed.
+
+    Attributes
+    ----------
+    workers
+        How many are computed at a time.
+    deaths
+        Exceptions by which a dead worker shows.
+    """
+
+    workers: int
+    deaths: tuple[type[Exception], ...]
+
+    def serve(self, name: str, data: bytes) -> AbstractContextManager[dict[str, Any]]:
+        """Make a plan known to all workers, as long as the context lasts; give the settings of joblib's backend."""
+
+
+class Processes:
+    """Processes of this machine; one alone is the process that calls.
+
+    Parameters
+    ----------
+    workers
+        How many.
+    """
+
+    deaths: tuple[type[Exception], ...] = (BrokenProcessPool,)
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+
+    @contextmanager
+    def serve(self, name: str, data: bytes) -> Iterator[dict[str, Any]]:
+        """Make a plan known to all workers."""
+        if self.workers == 1:
+            keep_plan(name, data)
+            try:
+                yield {"backend": "sequential"}
+            finally:
+                forget_plan(name)
+            return
+        # The matrices are small: threads of the linear algebra would only wait for each other.
+        start = {"initializer": start_process, "initargs": (name, data), "inner_max_num_threads": 1}
+        yield {"backend": "loky", "n_jobs": self.workers, **start}
+
+
+def check_joblib() -> None:
+    """Refuse a sweep where joblib is missing."""
+    try:
+        import joblib  # noqa: F401
+    except ModuleNotFoundError as error:
+        raise LtcgearError(f"sweeps need joblib: {INSTALL}") from error
+
+
+def compute_points(plan: Plan, points: Sequence[int], pool: Pool) -> Iterator[Outcome]:
+    """Compute points; they come as they are done.
+
+    Where a worker dies, the points that were under way are computed again one by one, so that the one that kills its
+    worker is known; it gets a reason in place of numbers. All others go on.
+    """
+    name, data = plan.pack()
+    with pool.serve(name, data) as settings:
+        left = dict.fromkeys(points)
+        while left:
+            begun: list[int] = []
+            try:
+                for outcome in _run(name, list(left), begun, settings):
+                    del left[outcome.point]
+                    yield outcome
+            except pool.deaths:
+                for point in [point for point in begun if point in left]:
+                    del left[point]
+                    yield _run_alone(name, point, settings, pool.deaths)
+
+
+def _run_alone(name: str, point: int, settings: dict[str, Any], deaths: tuple[type[Exception], ...]) -> Outcome:
+    """Compute a point while no other is under way."""
+    try:
+        [outcome] = _run(name, [point], [], settings)
+    except deaths as error:
+        reason = str(error).strip().splitlines()
+        return Outcome(point, DIED.format(reason[0] if reason else type(error).__name__))
+    return outcome
+
+
+def _run(name: str, points: Sequence[int], begun: list[int], settings: dict[str, Any]) -> Iterator[Outcome]:
+    """Yield outcomes as they come; note the points that are on their way to a worker."""
+    from joblib import Parallel, delayed, parallel_config
+
+    def tasks() -> Iterator[Any]:
+        for point in points:
+            begun.append(point)
+            yield delayed(run_point)(name, point)
+
+    with parallel_config(**settings):
+        parallel = Parallel(return_as="generator_unordered")
+    with _without_interrupts():
+        started = parallel(tasks())
+    with closing(started) as outcomes, warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module="joblib", category=UserWarning)  # about points that nobody waits for
+        yield from outcomes
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Hold Ctrl-C back while processes start: they inherit that, and leave it to the one that leads for good."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

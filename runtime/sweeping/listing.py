@@ -1,0 +1,201 @@
+"""Listing: a sweep in numbers: statistics over its points, tables over an axis, Sobol indices."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+from numpy.typing import NDArray
+
+from ..analysis.drawing import scale_of
+from ..attributes import finite
+from ..statistics import group_of
+from ..tables import Cell, Table
+from .influence import LEVEL, Influence, find_influences
+from .reading import DONE, STATUS, Numbers, choose_shown, design_of, is_done, list_numbers, shorten
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+STATISTICS = ("mean", "std", "min", "p5", "median", "p95", "max")
+"""Of a number over the points, in the order of columns."""
+HEADINGS = ("mean", "deviation", "min", "5 %", "median", "95 %", "max")
+ROWS = 24
+"""Rows that a table over an axis has at most."""
+
+
+def summarise(dataset: xr.Dataset) -> dict[str, Any]:
+    """Return a sweep in numbers, as ``ltcgear sweep --json`` prints them.
+
+    Returns
+    -------
+    dict
+        ``points``, ``failed``, ``reasons`` (text -> runs), ``metrics`` (metric -> unit and, by item or for the
+        number itself, `STATISTICS` over the points that are done; NaN is null) and, of the sample ``saltelli``,
+        ``influences`` (see ``influence.Influence``) or, where too many runs failed for any, ``without_influences``,
+        which tells so.
+    """
+    done = is_done(dataset)
+    metrics: dict[str, Any] = {}
+    for number in list_numbers(dataset):
+        one = metrics.setdefault(number.metric, {"unit": number.unit, "long_name": number.words})
+        if number.item:
+            one.setdefault("items", {})[number.item] = gather(number, done)
+        else:
+            one |= gather(number, done)
+    found: dict[str, Any] = {"points": int(done.size), "failed": int((~done).sum()), "reasons": list_reasons(dataset)}
+    found |= {"metrics": metrics}
+    influences, refused = _seek_influences(dataset, None)
+    if influences:
+        found["influences"] = [_plain(one) for one in influences]
+    if refused:
+        found["without_influences"] = refused
+    plain: dict[str, Any] = finite(found)
+    return plain
+
+
+def _seek_influences(dataset: xr.Dataset, metrics: list[str] | None) -> tuple[list[Influence], str]:
+    """Return Sobol indices where the sample is made for them; else why there are none of a sample that is."""
+    if design_of(dataset).sample != "saltelli":
+        return [], ""
+    try:
+        return find_influences(dataset, metrics), ""
+    except LtcgearError as error:
+        return [], str(error)
+
+
+def gather(number: Numbers, done: NDArray[np.bool_]) -> dict[str, float]:
+    """Return the `STATISTICS` of a number over the points that are done and have it, and ``count``, how many."""
+    values = number.values[done & np.isfinite(number.values)]
+    if not values.size:
+        return dict.fromkeys(STATISTICS, float("nan")) | {"count": 0}
+    low, middle, high = np.quantile(values, [0.05, 0.5, 0.95]).tolist()
+    spread = float(values.std(ddof=1)) if values.size > 1 else float("nan")
+    row = (float(values.mean()), spread, float(values.min()), low, middle, high, float(values.max()))
+    return dict(zip(STATISTICS, row, strict=True)) | {"count": int(values.size)}
+
+
+def list_reasons(dataset: xr.Dataset) -> dict[str, int]:
+    """Return why runs failed, and how many for each reason, the most frequent first."""
+    return dict(Counter(str(one) for one in dataset[STATUS].values if str(one) != DONE).most_common())
+
+
+def _plain(one: Influence) -> dict[str, Any]:
+    """Return the indices of a number as JSON has them, by the key varied."""
+    columns = zip(one.axes, *(values.tolist() for values in _columns(one)), strict=True)
+    names = ("first", "first_confidence", "total", "total_confidence")
+    axes = {key: dict(zip(names, values, strict=True)) for key, *values in columns}
+    return {"metric": one.metric, "item": one.item, "axes": axes, "blocks": one.blocks, "dropped": one.dropped}
+
+
+def _columns(one: Influence) -> tuple[Any, ...]:
+    """Return the indices and their confidences."""
+    return one.first, one.first_confidence, one.total, one.total_confidence
+
+
+def list_tables(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[Table]:
+    """Return a sweep as tables: over the axis where there is one that brings its points, else over all points.
+
+    Parameters
+    ----------
+    dataset
+        A sweep.
+    metrics
+        Variables that are shown; those that ``reading.choose_shown`` chooses where left out.
+    """
+    design = design_of(dataset)
+    along = len(design.varied) == 1 and design.varied[0].crossed
+    metrics = choose_shown(dataset) if metrics is None else metrics
+    numbers = list_numbers(dataset, metrics)
+    groups: dict[tuple[str, str], list[Numbers]] = {}
+    for number in numbers:
+        groups.setdefault((number.metric, group_of(number.item) if along else ""), []).append(number)
+    tables = [_over_axis(dataset, own) if along else _over_points(dataset, own) for own in groups.values()]
+    return tables + _influences(dataset, metrics)
+
+
+def _head(own: list[Numbers]) -> tuple[str, float]:
+    """Return the title of a metric's table, and the unit's size [SI] in which numbers are handy."""
+    largest = max((float(np.abs(one.values[np.isfinite(one.values)]).max(initial=0.0)) for one in own), default=0.0)
+    size, unit = scale_of(own[0].unit, largest)
+    return f"{own[0].metric}: {own[0].words} [{unit}]", size
+
+
+def _over_points(dataset: xr.Dataset, own: list[Numbers]) -> Table:
+    """List a metric's statistics over the points, a row for each item."""
+    done = is_done(dataset)
+    title, size = _head(own)
+    rows: list[tuple[Cell, ...]] = []
+    for number in own:
+        found = gather(number, done)
+        rows.append((number.item or "all", *(_round(found[name] / size) for name in STATISTICS)))
+    crossed = [axis.key for axis in design_of(dataset).varied if axis.crossed]
+    pooled = (f"over all values of {', '.join(crossed)}",) if crossed else ()
+    return Table(title, ("", *HEADINGS), tuple(rows), (*pooled, *_told(done)))
+
+
+def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
+    """List a metric over the one axis, a column for each item of a group."""
+    axis = design_of(dataset).varied[0]
+    title, size = _head(own)
+    coordinate = dataset[axis.key]
+    unit = coordinate.attrs.get("units", "")
+    places = np.unique(np.linspace(0, coordinate.size - 1, min(ROWS, coordinate.size)).round().astype(int))
+    rows = tuple(
+        (_cell(coordinate.values[place]), *(_round(float(number.values[place]) / size) for number in own))
+        for place in places
+    )
+    shown = (f"every {coordinate.size / len(places):.3g}th point",) if len(places) < coordinate.size else ()
+    heading = f"{axis.key} [{unit}]" if unit else axis.key
+    group = group_of(own[0].item)
+    numbered = all(one.item.startswith(f"{group}.") for one in own)  # planets, told by their numbers below the group
+    names = [one.item.removeprefix(f"{group}.") if numbered else one.item or one.metric for one in own]
+    title = f"{title}, {group}" if numbered else title
+    columns = (heading, *names)
+    return Table(title, columns, rows, (*shown, *_told(is_done(dataset))))
+
+
+def _round(value: float) -> float:
+    """Return a number with the digits that a table has room for; files and --json have all."""
+    return float(f"{value:.4g}")
+
+
+def _cell(value: Any) -> Cell:  # noqa: ANN401
+    """Return a coordinate as a table shows it."""
+    return float(value) if isinstance(value, float | np.floating) else str(value)
+
+
+def _told(done: NDArray[np.bool_]) -> tuple[str, ...]:
+    """Say how many runs failed."""
+    failed = int((~done).sum())
+    return (f"{failed} of {done.size} runs failed and are left out",) if failed else ()
+
+
+def _influences(dataset: xr.Dataset, metrics: list[str]) -> list[Table]:
+    """List Sobol indices, a table for each metric, a row for each item and key."""
+    found, refused = _seek_influences(dataset, metrics)
+    tables = [Table("Sobol indices", (), (), (refused,))] if refused else []
+    for metric in dict.fromkeys(one.metric for one in found):
+        own = [one for one in found if one.metric == metric]
+        rows: list[tuple[Cell, ...]] = []
+        for one in own:
+            prefix, keys = shorten(one.axes)
+            lines = zip(keys, *(values.tolist() for values in _columns(one)), strict=True)
+            rows += [
+                (one.item if k == 0 else "", key, *(round(value, 3) for value in line))
+                for k, (key, *line) in enumerate(lines)
+            ]
+        title = f"{metric}: Sobol indices" + (f" of keys of {prefix.removesuffix('.')}" if prefix else "")
+        tables.append(Table(title, ("", "varied", "first", "+-", "total", "+-"), tuple(rows), _said(own)))
+    return tables
+
+
+def _said(own: list[Influence]) -> tuple[str, ...]:
+    """Say with what indices were estimated, and what was left out."""
+    blocks, dropped = own[0].blocks, max(one.dropped for one in own)
+    notes = [f"{blocks} blocks; +- is half of the {100 * LEVEL:.0f} % interval, by resampling blocks"]
+    if dropped:
+        notes.append(f"left out for failed runs: {dropped} blocks; the indices are of the rest of the ranges")
+    return tuple(notes)

@@ -1,0 +1,293 @@
+"""Run: a sweep from its axes to its file, stage by stage: axes -> design -> models -> store -> rows -> file."""
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ltcgear.generated.contract import Artifact
+from ltcgear.generated.errors import LtcgearError, SceneError
+
+from ..attributes import to_attributes
+from ..dataset import make_dataset
+from ..integration import check_length
+from ..library import build
+from ..reading import no_rows
+from ..simulation import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, check_size
+from .axes import read_axes
+from .design import Design, draw_design
+from .execution import Pool, Processes, check_joblib, compute_points
+from .listing import summarise
+from .metrics import choose_metrics, find_metric, lay_out, unite
+from .reading import design_of
+from .store import Store, check_store, load_sweep
+from .task import UNBUILT, Maker, Outcome, Plan, find_places
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Told = Callable[[str, int, int, int], None]
+FIXED = ("simulation",)
+"""Tables of the scene that are the same for all points."""
+
+
+def sweep(
+    maker: Maker,
+    vary: Sequence[str],
+    target: str | Path,
+    *,
+    sample: str = "grid",
+    points: int | None = None,
+    seed: int = 0,
+    metrics: Sequence[str] | None = None,
+    t_end: float | None = None,
+    rate: float | None = None,
+    method: str = DEFAULT_METHOD,
+    rtol: float = DEFAULT_RTOL,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    told: Told = lambda stage, done, total, failed: None,
+) -> dict[str, Any]:
+    """Simulate a scene at many points and keep metrics of each, one row a point, in a NetCDF4 file.
+
+    Rows go to ``NAME.part.nc`` as they come. Where the sweep was stopped or killed, the same call goes on and
+    computes what is missing; the file is the same to the last bit. A point that fails is a row with its reason.
+
+    Parameters
+    ----------
+    maker
+        The scene, read once: ``ltcgear.symbolic.Template("lsp")``.
+    vary
+        Axes as after ``--vary``: ``KEY=a:b:n``, ``KEY=a:b`` or ``KEY=v1,v2,v3``.
+    target
+        The file, ``NAME.nc``.
+    sample, points, seed
+        How points are drawn: grid, lhs, sobol, normal or saltelli; how many; seed of the random numbers.
+    metrics
+        What is kept of each run; forces, and load shares where meshes share a load, where left out.
+    t_end, rate
+        Time to simulate [s] and samples a second [Hz]; those of the scene where left out.
+    method, rtol
+        As for ``simulate``.
+    workers
+        Processes, as many as there are cores where left out; with 1 this process computes.
+    scheduler
+        Address of a Dask scheduler whose workers compute, in place of processes.
+    told
+        Called with a stage (``build`` or ``simulate``), how much of it is done, its total, and failed points so far.
+
+    Returns
+    -------
+    dict
+        The summary: counts of points, reasons of those that failed, seconds.
+
+    Raises
+    ------
+    LtcgearError
+        If anything is wrong, before anything is computed: a key, a range, a metric, the scheduler, or a file there
+        that is of another sweep.
+    KeyboardInterrupt
+        At Ctrl-C; what was computed is kept.
+    """
+    clock, target = perf_counter(), Path(target)
+    check_joblib()
+    check_options(method, rtol, t_end)
+    check_store(target)
+    for name in metrics or ():
+        find_metric(name)
+    design = draw_design(read_axes(vary), sample, points, seed)
+    first = check_points(maker, design)
+    end, samples = maker.times(first)
+    settings: dict[str, Any] = {"t_end": t_end or end, "rate": rate or samples, "method": method, "rtol": rtol}
+    check_options(method, rtol, settings["t_end"])
+    check_length(settings["t_end"] * settings["rate"])
+    with _open_pool(workers, scheduler) as pool:
+        plan = make_plan(maker, design, metrics, settings, told)
+        seconds = {"prepare": perf_counter() - clock}
+        clock = perf_counter()
+        with Store(target, design, plan.form, describe_sweep(plan), _attributes(plan)) as store:
+            kept = len(store.done)
+            _fill(plan, store, pool, told)
+            seconds["simulate"] = perf_counter() - clock
+            store.seal()
+    return tell_sweep(target, maker, kept, pool.workers, seconds)
+
+
+def check_points(maker: Maker, design: Design) -> dict[str, str]:
+    """Refuse keys and values that the scene does not take; return the changes of the first point that it takes.
+
+    What is refused is wrong alone and with the other values of its point; else it is that point's own reason.
+    """
+    for axis in design.axes:
+        if axis.key.split(".")[0] in FIXED:
+            raise LtcgearError(f"--vary {axis.key}: is the same for all points; give --t-end, or --set {axis.key}=...")
+    taken: list[dict[str, str]] = []
+    for changes in _list_checked(design):
+        try:
+            maker.make(changes)
+            taken.append(changes)
+        except SceneError as error:
+            for key, value in changes.items():
+                if not _takes(maker, {key: value}):
+                    raise SceneError(f"--vary {key}: {error}") from error
+    if not taken:
+        raise LtcgearError("no end of the axes gives a scene without defects; see `ltcgear info SCENE --set KEY=VALUE`")
+    return taken[0]
+
+
+def _list_checked(design: Design) -> list[dict[str, str]]:
+    """Return the changes of points that stand for all: the axes' ends, or, where draws have no ends, the middle."""
+    if design.sample != "normal":
+        return design.ends()
+    spread = np.array([0.0 if axis.crossed else 1 / (axis.high or 1.0) for axis in design.axes])
+    centre = np.array([0.0 if axis.crossed else axis.low for axis in design.axes])
+    middle = design.changes(int(np.argmin((((design.values - centre) * spread) ** 2).sum(axis=1))))
+    return [middle, *(middle | {axis.key: item} for axis in design.axes for item in axis.items)]
+
+
+def _takes(maker: Maker, changes: Mapping[str, str]) -> bool:
+    """Say whether the scene takes some changes."""
+    try:
+        maker.make(changes)
+    except SceneError:
+        return False
+    return True
+
+
+def make_plan(
+    maker: Maker, design: Design, metrics: Sequence[str] | None, settings: Mapping[str, Any], told: Told
+) -> Plan:
+    """Derive and compile all variants, and lay out the rows, before any worker starts."""
+    plan: Plan | None = None
+    listed = _list_variants(maker, design)
+    for k, (key, changes) in enumerate(listed.items()):
+        told("build", k, len(listed), 0)
+        artifact, row, metrics = _prepare(maker, changes, metrics, settings)
+        if plan is None:
+            plan = Plan(maker, design, metrics, row, settings, {}, {})
+        plan.models[key], plan.rows[key] = artifact, row
+    if plan is None:
+        raise LtcgearError("no point of the sweep gives a scene without defects; see `ltcgear info SCENE`")
+    plan.form = unite(list(plan.rows.values()))
+    return plan
+
+
+def _list_variants(maker: Maker, design: Design) -> dict[str, dict[str, str]]:
+    """Return the structures that lists and ends of axes call for: the key of each and the changes of a point."""
+    lists = [k for k, axis in enumerate(design.axes) if axis.items]
+    found = np.unique(design.values[:, lists], axis=0, return_index=True)[1] if lists else [0]
+    variants: dict[str, dict[str, str]] = {}
+    for changes in [*(design.changes(int(point)) for point in sorted(found)), *_list_checked(design)]:
+        with suppress(SceneError):  # this combination's own reason
+            variants.setdefault(maker.make(changes)[0], changes)
+    return variants
+
+
+def _prepare(
+    maker: Maker, changes: Mapping[str, str], metrics: Sequence[str] | None, settings: Mapping[str, Any]
+) -> tuple[Artifact, "xr.Dataset", Sequence[str]]:
+    """Obtain and compile a variant, with what its integrator compiles; return it, its row, and the metrics."""
+    artifact = maker.obtain(changes)
+    library, (_, values, tables) = build(artifact), maker.make(changes)
+    check_size(library, settings["t_end"] * settings["rate"])
+    p = library.parameters(values)
+    with suppress(LtcgearError):  # a point's own reason
+        Run(library, p, oversample=1, tables=tables, **settings)
+    empty = make_dataset(library, p, no_rows(library))
+    metrics = metrics or choose_metrics(empty)
+    return artifact, lay_out(empty, metrics, settings["t_end"], settings["rate"]), metrics
+
+
+def describe_sweep(plan: Plan) -> dict[str, Any]:
+    """Return what makes a sweep what it is; two whose descriptions are equal are equal to the last bit."""
+    drawn = plan.design.to_json()
+    axes = {f"axis {axis.key}": _write_axis(axis.to_json()) for axis in plan.design.axes}
+    return {
+        **axes,
+        **{name: drawn[name] for name in ("sample", "points", "seed")},
+        "metrics": ", ".join(plan.metrics),
+        **plan.settings,
+        **plan.maker.entries(),
+        **{f"version of {name}": version(name) for name in ("ltcgear", "casadi", "numpy", "scipy")},
+        "equations": sorted(plan.models),
+        "points as drawn": drawn["digest"],
+    }
+
+
+def _write_axis(axis: Mapping[str, Any]) -> str:
+    """Return an axis as one writes it."""
+    if axis["items"]:
+        return ",".join(axis["items"])
+    count = "" if axis["count"] is None else f":{axis['count']}"
+    return f"{axis['low']:g}:{axis['high']:g}{count} {axis['unit']}".strip()
+
+
+def _attributes(plan: Plan) -> dict[str, Any]:
+    """Return what the file tells of scene and settings."""
+    return to_attributes(plan.maker.about(), {**plan.settings, "metrics": list(plan.metrics)})
+
+
+@contextmanager
+def _open_pool(workers: int | None, scheduler: str | None) -> Iterator[Pool]:
+    """Give the pool that computes.
+
+    Raises
+    ------
+    LtcgearError
+        If there is no such pool.
+    """
+    if workers is not None and (workers < 1 or scheduler is not None):
+        what = "a cluster has its own; leave it out" if scheduler is not None else "must be 1 at least"
+        raise LtcgearError(f"--workers {workers}: {what}")
+    if scheduler is None:
+        yield Processes(workers or len(os.sched_getaffinity(0)))
+        return
+    try:
+        from .cluster import connect
+    except ModuleNotFoundError as error:
+        raise LtcgearError("--scheduler needs Dask: pip install 'ltcgear[cluster]'") from error
+    with connect(scheduler) as cluster:
+        yield cluster
+
+
+def _fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
+    """Compute the missing points and add their rows."""
+    failed, missing = 0, store.missing()
+    while missing:
+        unbuilt: list[int] = []
+        for outcome in compute_points(plan, missing, pool):
+            if outcome.status == UNBUILT:
+                unbuilt.append(outcome.point)
+                continue
+            store.add(outcome)
+            failed += outcome.values is None
+            told("simulate", len(store.done), plan.design.size, failed)
+        missing = [point for point in unbuilt if not _build_late(plan, store, point)]
+
+
+def _build_late(plan: Plan, store: Store, point: int) -> bool:
+    """Build the variant of a point whose structure neither lists nor ends of axes show; say whether that failed."""
+    changes = plan.design.changes(point)
+    key = plan.maker.make(changes)[0]
+    if key in plan.models:
+        return False
+    try:
+        artifact, row, _ = _prepare(plan.maker, changes, plan.metrics, plan.settings)
+        find_places(row, plan.form)
+    except LtcgearError as error:
+        store.add(Outcome(point, str(error)))
+        return True
+    plan.models[key], plan.rows[key] = artifact, row
+    return False
+
+
+def tell_sweep(target: Path, maker: Maker, kept: int, workers: int, seconds: Mapping[str, float]) -> dict[str, Any]:
+    """Return how a sweep went, and what it says in numbers."""
+    found = load_sweep(target)
+    told = {"scene": maker.name, "file": str(target), **summarise(found)}
+    counts = {"computed": found.sizes["point"] - kept, "kept": kept, "workers": workers}
+    return told | counts | {"notes": list(design_of(found).notes), "seconds": dict(seconds)}

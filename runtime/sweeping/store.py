@@ -1,0 +1,232 @@
+"""Store: the rows of a sweep on disk, readable while it runs and whole where it is killed; in the end NetCDF4.
+
+Rows are records of a classic NetCDF file, ``NAME.part.nc`` (see ``part``), in the order in which they come. When all
+are there they are sorted by point into ``NAME.nc``. Both tell of which sweep they are, so that another is not taken
+for it.
+"""
+
+import fcntl
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+from numpy.typing import NDArray
+
+from ..attributes import UNFINISHED
+from ..checkpoint import tell_differences
+from ..part import BEGIN, Part, part_of
+from ..results import check_target, save
+from .design import Design
+from .reading import DONE
+from .task import Outcome
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+FORMAT = 1
+"""Form of the files; it is counted up when older ones can no longer be read."""
+LONGEST = 400
+"""Bytes of a reason that are kept."""
+KIND, ABOUT = "sweep_format", "sweep"
+"""Attributes that tell the form of a sweep's file, and of which sweep it is."""
+GO_ON = "run the same command again to go on"
+CURE = "give another -o, or delete it"
+
+
+class SweepPart(Part):
+    """Rows of a sweep under way."""
+
+    goes_on, again = GO_ON, "delete it to begin anew"
+
+
+class Store:
+    """The file of a sweep; rows are added in any order, and sealed when all are there.
+
+    Parameters
+    ----------
+    target
+        The file, ``NAME.nc``.
+    design, form
+        Points, and a row without numbers.
+    about
+        All that makes the sweep what it is, by name.
+    attributes
+        What the file shall also tell.
+
+    Raises
+    ------
+    LtcgearError
+        If the file, or its part, is of another sweep or no sweep, damaged, cannot be written, or is being written.
+    """
+
+    def __init__(
+        self, target: Path, design: Design, form: "xr.Dataset", about: Mapping[str, Any], attributes: Mapping[str, Any]
+    ) -> None:
+        check_store(target)
+        self.target, self.design, self.form = target, design, form
+        self.attributes = {**attributes, KIND: FORMAT, ABOUT: json.dumps(about), "design": json.dumps(design.to_json())}
+        self.part: SweepPart | None = None
+        self.done: set[int] = set()
+        if target.exists():
+            found = _check_sweep(target, about)
+            self.done = set(range(found.sizes["point"]))
+            part_of(target).unlink(missing_ok=True)
+            return
+        kept = _rows_of(part_of(target), about) if part_of(target).exists() else None
+        self.part = SweepPart(target, self._heading(), None if kept is None else len(kept), "point")
+        self._lock()
+        self.done = set(kept or ())
+
+    def _heading(self) -> "xr.Dataset":
+        """Return the file's content without any row."""
+        import xarray as xr
+
+        data: dict[str, Any] = {"status": ("point", np.zeros(0, f"S{LONGEST}"))}
+        for name, variable in self.form.data_vars.items():
+            data[str(name)] = (("point", *variable.dims), np.zeros((0, *variable.shape)), variable.attrs)
+        coordinates = {str(name): coordinate for name, coordinate in self.form.coords.items()}
+        status = {"status": f"{UNFINISHED}; {GO_ON}"}
+        return xr.Dataset(data, {"point": np.zeros(0), **coordinates}, {**self.attributes, **status})
+
+    def _lock(self) -> None:
+        """Keep other sweeps away, where files can be locked."""
+        assert self.part is not None
+        try:
+            fcntl.flock(self.part.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            self.part.file.close()
+            raise LtcgearError(
+                f"{self.part.path}: another sweep is writing it; wait for that, or give another -o"
+            ) from error
+        except OSError:
+            pass
+
+    def __enter__(self) -> "Store":
+        """Use the file."""
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """Close it."""
+        if self.part is not None:
+            self.part.file.close()
+
+    def missing(self) -> list[int]:
+        """Return the points that are not there."""
+        return [point for point in range(self.design.size) if point not in self.done]
+
+    def add(self, outcome: Outcome) -> None:
+        """Add a row; once this returns it outlasts the program."""
+        if self.part is None or outcome.point in self.done:
+            return
+        columns: dict[str, NDArray[Any]] = {
+            "point": np.array([outcome.point], float),
+            "status": np.array([_cut(outcome.status)], f"S{LONGEST}").view("S1").reshape(1, LONGEST),
+        }
+        start = 0
+        for name, variable in self.form.data_vars.items():
+            values = np.nan if outcome.values is None else outcome.values[start : start + variable.size]
+            columns[str(name)] = np.broadcast_to(values, variable.size).reshape(1, *variable.shape)
+            start += variable.size
+        self.part.append(columns)
+        self.done.add(outcome.point)
+
+    def seal(self) -> None:
+        """Write the file of all rows, sorted by point; it appears whole or not at all."""
+        if self.part is None:
+            return
+        rows = _arrange(_open(self.part.path), self.design)
+        rows.attrs = {**self.attributes, "status": DONE}
+        for variable in rows.variables.values():
+            variable.encoding = {}
+        save(rows, self.target)
+        self.part.path.unlink()
+
+
+def check_store(target: Path) -> None:
+    """Refuse a file that cannot be a sweep's, before anything is computed."""
+    check_target(target)
+    if target.suffix != ".nc":
+        raise LtcgearError(f"{target}: sweeps are NetCDF4 files; name it {target.with_suffix('.nc')}")
+    for path in (target, part_of(target)):
+        if path.exists():
+            _open(path)
+
+
+def load_sweep(path: str | Path) -> "xr.Dataset":
+    """Read a sweep into memory: rows over ``point``, with the axes' values as coordinates.
+
+    Parameters
+    ----------
+    path
+        The file, or its part ``NAME.part.nc``, which has the rows that are there so far.
+
+    Raises
+    ------
+    LtcgearError
+        If it is missing, damaged or not a sweep.
+    """
+    path = Path(path)
+    if not path.is_file():
+        part = part_of(path)
+        hint = f"the sweep is under way, {part} has its rows so far" if part.is_file() else "`ltcgear sweep` writes one"
+        raise LtcgearError(f"{path}: no such file; {hint}")
+    found = _open(path)
+    if str(found.attrs.get("status", "")).startswith(UNFINISHED):
+        return _arrange(found, Design.from_json(found.attrs["design"]))
+    return found
+
+
+def _open(path: Path) -> "xr.Dataset":
+    """Read a file into memory, and refuse what is no sweep."""
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as opened:
+            found = opened.load()
+    except Exception as error:  # damaged files raise whatever the libraries stumble over
+        raise LtcgearError(f"{path}: not a readable NetCDF file ({error}); {CURE}") from error
+    if not {KIND, ABOUT, "design"} <= set(found.attrs) or "point" not in found.dims:
+        raise LtcgearError(f"{path}: not a sweep; {CURE}")
+    if found.attrs[KIND] != FORMAT:
+        raise LtcgearError(f"{path}: a sweep of form {found.attrs[KIND]}, which is not {FORMAT}; {CURE}")
+    return found
+
+
+def _check_sweep(path: Path, about: Mapping[str, Any]) -> "xr.Dataset":
+    """Return what a file holds, and refuse that of another sweep."""
+    found = _open(path)
+    try:
+        differences = tell_differences(json.loads(found.attrs[ABOUT]), about)
+    except (ValueError, AttributeError) as error:
+        raise LtcgearError(f"{path}: damaged ({error}); {CURE}") from error
+    if differences:
+        raise LtcgearError(f"{path}: of another sweep: {differences}; {CURE}")
+    return found
+
+
+def _rows_of(path: Path, about: Mapping[str, Any]) -> list[int]:
+    """Return the points whose rows a part holds."""
+    found = _check_sweep(path, about)
+    return [int(point) for point in found["point"].values]
+
+
+def _arrange(rows: "xr.Dataset", design: Design) -> "xr.Dataset":
+    """Return the rows of a part sorted by point, with what the axes are there."""
+    points = rows["point"].values.astype(np.int64)
+    order = np.argsort(points)
+    status = [bytes(text).decode("utf-8", "replace") for text in rows["status"].values]
+    rows = rows.assign_coords(point=points).assign(status=("point", np.array(status, dtype=object)))
+    rows = rows.isel(point=order)
+    rows.attrs.pop(BEGIN, None)
+    at = points[order]
+    axes = {name: (over, values[at], told) for name, (over, values, told) in design.coordinates().items()}
+    return rows.assign_coords(axes)
+
+
+def _cut(text: str) -> bytes:
+    """Return a reason on one line, cut to what a row holds."""
+    return " ".join(text.split()).encode()[:LONGEST].decode("utf-8", "ignore").encode()

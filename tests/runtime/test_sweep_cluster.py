@@ -1,0 +1,87 @@
+"""A sweep over a real Dask scheduler and two workers on the loopback address, one of which is killed in the middle."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from time import monotonic, sleep
+
+import numpy as np
+import pytest
+import xarray as xr
+from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime import load_sweep, sweep
+from ltcgear.symbolic import Template
+
+from sweep_trace import Traced
+
+pytest.importorskip("distributed")
+VARY = ("loads.ring.speed=5 rpm:20 rpm", "loads.sun.torque=1e5 N*m:3e5 N*m")
+DRAWN = {"sample": "lhs", "points": 60, "t_end": 0.05}
+QUIET = {"DASK_LOGGING__DISTRIBUTED": "error"}
+
+
+def start(*arguments):
+    """Start a part of a cluster."""
+    paths = os.pathsep.join([str(Path(__file__).parent.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = {**os.environ, **QUIET, "PYTHONPATH": paths}
+    return subprocess.Popen(
+        [sys.executable, "-m", *arguments], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """A scheduler without a worker: its address, and what starts a worker."""
+    file, parts = tmp_path / "scheduler.json", []
+    common = ("--scheduler-file", str(file), "--no-dashboard")
+    parts.append(start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", *common))
+
+    def worker():
+        where = ("--local-directory", str(tmp_path / "scratch"), "--host", "127.0.0.1")
+        parts.append(start("distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", *where, *common))
+        return parts[-1]
+
+    end = monotonic() + 30
+    while not file.exists() and monotonic() < end:
+        sleep(0.05)
+    try:
+        yield json.loads(file.read_text())["address"], worker
+    finally:
+        for part in parts:
+            part.kill()
+            part.wait()
+
+
+def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
+    address, add = cluster
+    workers, killed = [add(), add()], []
+    template = Traced(tmp_path / "trace", "lsp")
+
+    def told(stage, done, total, failed):
+        both = {pid for pid, _ in template.made()}
+        if done >= 10 and not killed and both >= {worker.pid for worker in workers}:
+            killed.append(workers[0].pid)
+            os.kill(workers[0].pid, signal.SIGKILL)
+
+    summary = sweep(template, VARY, tmp_path / "a.nc", scheduler=address, told=told, **DRAWN)
+    assert killed
+    assert (summary["points"], summary["computed"], summary["failed"]) == (60, 60, 0)
+    sweep(Template("lsp"), VARY, tmp_path / "b.nc", workers=1, **DRAWN)
+    one, two = load_sweep(tmp_path / "a.nc"), load_sweep(tmp_path / "b.nc")
+    xr.testing.assert_identical(one, two)
+    for name in set(one.data_vars) - {"status"}:
+        assert np.array_equal(one[name].values, two[name].values), name
+    again = sweep(template, VARY, tmp_path / "a.nc", scheduler=address, **DRAWN)
+    assert again["computed"] == 0
+
+
+def test_a_cluster_without_workers_is_told(cluster, tmp_path, monkeypatch):
+    from ltcgear.runtime.sweeping import cluster as module
+
+    monkeypatch.setattr(module, "PATIENCE", 1)
+    with pytest.raises(LtcgearError, match="has no workers; start them with `dask worker tcp://"):
+        sweep(Template("lsp"), VARY, tmp_path / "a.nc", scheduler=cluster[0], **DRAWN)
+    assert not (tmp_path / "a.nc").exists()
