@@ -25,7 +25,7 @@ LARGEST, NEAR = 10**6, 1e-14
 
 
 @dataclass(frozen=True)
-class _Course:
+class Course:
     """A clock in numbers: index of its start, advance a turn of the reference, period, its unit [cycles] or [rad]."""
 
     index: int
@@ -54,16 +54,7 @@ class Clocks:
 
     def __init__(self, manifest: Manifest, p: Vector) -> None:
         self.first = np.array(p, dtype=np.float64)
-        units = dict(manifest.parameters)
-        number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
-        index = {name: i for i, name in enumerate(units)}
-        self.courses = [
-            _Course(
-                index[clock.start], _advance(clock, number), lcm(*(round(number[name]) for name in clock.periods)),
-                TURN if units[clock.start] == "rad" else 1.0, clock.mesh,
-            )
-            for clock in manifest.clocks
-        ]  # fmt: skip
+        self.courses = read_courses(manifest, p)
         self.by_mesh = {course.mesh: course for course in self.courses if course.mesh}
         names = [state.name for state in manifest.states]
         self.angle = names.index("reference.angle") if "reference.angle" in names else None
@@ -115,6 +106,20 @@ class Clocks:
         different, place = np.unique(turns, return_inverse=True)
         lacking = np.array([self.cycles([mesh], int(each))[0] for each in different], dtype=np.float64)
         return np.asarray(lacking[place])
+
+
+def read_courses(manifest: Manifest, p: Vector) -> list[Course]:
+    """Return a model's clocks in numbers, with its parameters' values, shape (n_p,)."""
+    units = dict(manifest.parameters)
+    number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
+    index = {name: i for i, name in enumerate(units)}
+    return [
+        Course(
+            index[clock.start], _advance(clock, number), lcm(*(round(number[name]) for name in clock.periods)),
+            TURN if units[clock.start] == "rad" else 1.0, clock.mesh,
+        )
+        for clock in manifest.clocks
+    ]  # fmt: skip
 
 
 def _advance(clock: Clock, number: dict[str, float]) -> Fraction:

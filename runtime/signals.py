@@ -34,7 +34,7 @@ class Signals:
         missing = sorted({signal.table for signal in signals} - set(tables))
         if missing:
             raise LtcgearError(f"tables: {', '.join(missing)} missing; give the model's tables (model.tables)")
-        self.tables = [_with_zeros(np.array(tables[signal.table], dtype=np.float64)) for signal in signals]
+        self.tables = [insert_zeros(np.array(tables[signal.table], dtype=np.float64)) for signal in signals]
         self.sloping = [signal.slope for signal in signals]
         self.knots = np.unique(np.concatenate([np.zeros(0), *(time for time, _ in self.tables)]))
 
@@ -82,7 +82,7 @@ def _slope(table: tuple[Vector, Vector], time: Vector, side: str) -> Vector:
     return np.asarray(slopes[np.searchsorted(times, time, side="right" if side == "right" else "left")])
 
 
-def _with_zeros(rows: Vector) -> tuple[Vector, Vector]:
+def insert_zeros(rows: Vector) -> tuple[Vector, Vector]:
     """Return times and values of a table, a row put in where it passes through zero."""
     time, value = rows.T
     i = np.flatnonzero(value[:-1] * value[1:] < 0)
