@@ -17,6 +17,7 @@ _HOME = {
     "save": "results",
     "simulate": "simulation",
     "simulate_many": "ensemble",
+    "write_fmu": "fmu.package",
     "write_report": "report.page",
 }
 __all__ = list(_HOME)
