@@ -69,12 +69,15 @@ ADVANCE = ctypes.CFUNCTYPE(None, ctypes.c_double)
 DTYPES: dict[str, Any] = {"reals": np.float64, "wholes": np.int64, "bytes": np.bool_}
 PREAMBLE = f"""#define _POSIX_C_SOURCE 199309L /* a clock that nobody sets */
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
+#ifndef EXPORTED
 #define EXPORTED __attribute__((visibility("default")))
+#endif
 #define STAGES {STAGES}
 #define FINE {FINE}
 #define AT_BORDER {AT_BORDER!r} /* how close to a border [cycles] counts as being there, besides rounding */
@@ -116,10 +119,10 @@ class State(ctypes.Structure):
 
 
 @cache
-def source() -> str:
-    """Return the march's C."""
+def source(parts: tuple[str, ...] = SOURCES) -> str:
+    """Return the march's C, or some parts of it."""
     fields = "\n".join(f"  {KINDS[kind][1].format(name)};" for name, kind, _ in FIELDS)
-    texts = ((Path(__file__).parent / "native" / name).read_text("utf-8") for name in SOURCES)
+    texts = ((Path(__file__).parent / "native" / name).read_text("utf-8") for name in parts)
     return "\n".join([PREAMBLE, f"typedef struct {{\n{fields}\n}} march;\n", *texts])
 
 

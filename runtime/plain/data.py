@@ -16,7 +16,7 @@ from ..library import Library
 from ..sensitivity.ranking import is_continuous
 from ..signals import Pairs, insert_zeros
 
-HEAD = """/* The scene {name}: names, numbers and its loaded equilibrium; written by `ltcgear generate`. See ltcgear.h. */
+HEAD = """/* The scene {name}: names, numbers, loaded equilibrium; written by `ltcgear generate`, see ltcgear.h. */
 #include "ltcgear.h"
 """
 CODES = {
@@ -24,6 +24,11 @@ CODES = {
     "energy": "energy", "motion": "motion",
 }  # fmt: skip
 """Fields of the model -> functions of model.c."""
+SAME = (
+    "start", "tables", "signal_table", "signal_slope", "jacobian_colind", "jacobian_row", "freedoms", "clocks", "holds",
+    "hold_closes", "forces",
+)  # fmt: skip
+"""Fields whose array has the same name."""
 FRICTION = ".friction"
 """How the holds end that choose the sign of a friction force."""
 LARGEST = 2**62
@@ -167,14 +172,11 @@ def _model(library: Library, name: str, key: str, run: Run) -> str:
         "varying": _place(parameters, VARYING),
         "closing": _place(parameters, CLOSING),
     }
-    same = (
-        "start tables signal_table signal_slope jacobian_colind jacobian_row freedoms clocks holds hold_closes forces"
-    ).split()
     fields = {
         "name": _text(name), "key": _text(key), "t_end": _real(run.t_end), "rate": _real(run.rate),
         **{f"n_{kind}": len(items) for kind, items in sizes.items()},
         **{kind: f"{kind}_labels" for kind in ("states", "parameters", "outputs")},
-        **{field: field for field in same}, "parameter_values": "values", "parameter_fixed": "fixed",
+        **{field: field for field in SAME}, "parameter_values": "values", "parameter_fixed": "fixed",
         **{field: f"{{{function}, {function}_work}}" for field, function in CODES.items()}, **places,
     }  # fmt: skip
     lines = "".join(f"  .{field} = {value},\n" for field, value in fields.items())

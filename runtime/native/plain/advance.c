@@ -1,0 +1,104 @@
+/* A run under way: from knot to knot of the loads and from turn to turn of the reference. */
+
+#define CAPACITY 512 /* samples that wait to be taken; no segment holds more than half of them */
+
+/* Who takes samples, and where. */
+typedef struct {
+  ltcgear_taker take;
+  void *to;
+  double *x;
+} taker;
+
+/* Tell the march how the loads run up to their next knot, or to a time before it. */
+static void begin_leg(ltcgear_run *run, double until) {
+  march *m = &run->m;
+  take_turns_off(run);
+  m->base = m->time, m->knot = smaller(knot_after(run, m->time), until);
+  signals_at(run, m->base, 1, m->signals);
+  signal_rates(run, m->base, m->slope);
+  signals_at(run, m->knot, 0, m->signals_knot);
+}
+
+/* Evaluate the outputs of a state, whose angle lacks the turns taken off; the state decides on which sides contacts are. */
+static int read_outputs(ltcgear_run *run, double time, const double *x, const double *levels, double *y) {
+  const ltcgear_model *model = run->model;
+  march *m = &run->m;
+  memcpy(m->s_now, levels, (size_t)m->n_levels * sizeof *levels);
+  signals_at(run, time, 1, m->s_now + m->n_levels);
+  for (whole g = 0; g < m->n_holds; ++g) m->p[m->hold_index[g]] = 0;
+  run->output.res[0] = y;
+  int fault = call(&run->output, x, m->s_now, m->p) ? NOT_FINITE : DONE;
+  hold(m);
+  for (whole c = 0; c < model->n_clocks; ++c)
+    if (model->clocks[c].output >= 0) y[model->clocks[c].output] += (double)run->cycles[c];
+  return fault;
+}
+
+/* Hand on the samples that wait. */
+static int hand_on(ltcgear_run *run, const taker *t) {
+  march *m = &run->m;
+  for (whole k = 0; k < m->filled; ++k) {
+    memcpy(t->x, m->sample_x + k * m->n, (size_t)m->n * sizeof *t->x);
+    int fault = read_outputs(run, m->sample_time[k], t->x, m->sample_levels + k * m->n_levels, run->y);
+    if (m->angle >= 0) t->x[m->angle] += TURN * (double)run->turns;
+    if (!fault) fault = t->take(t->to, m->sample_time[k], t->x, run->y);
+    if (fault) return fault;
+  }
+  m->filled = 0;
+  return DONE;
+}
+
+/* March to a time. A segment holds no more samples than there is room for. */
+static int go_on(ltcgear_run *run, double until, const taker *t) {
+  march *m = &run->m;
+  if (!run->started) return NOT_STARTED;
+  if (!isfinite(until)) return NOT_A_NUMBER;
+  if (until < m->time) return NOT_AHEAD;
+  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
+  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
+  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
+  while (m->time < until) {
+    begin_leg(run, until);
+    int fault = ltcgear_march(m, LLONG_MAX, INFINITY), taken = t ? hand_on(run, t) : DONE;
+    if (fault || taken) return fault ? fault : taken;
+  }
+  return DONE;
+}
+
+int ltcgear_advance(ltcgear_run *run, double until) { return go_on(run, until, 0); }
+
+int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker take, void *to) {
+  march *m = &run->m;
+  const whole n = m->n;
+  if (!run->started) return NOT_STARTED;
+  if (!(rate > 0) || !isfinite(rate)) return NOT_AHEAD;
+  double *samples = malloc((size_t)(CAPACITY * (n + m->n_levels + 2) + n) * sizeof *samples);
+  if (!samples) return NO_MEMORY;
+  m->sample_x = samples + n, m->sample_levels = m->sample_x + CAPACITY * n;
+  m->sample_time = m->sample_levels + CAPACITY * m->n_levels, m->sample_steps = m->sample_time + CAPACITY;
+  m->capacity = CAPACITY, m->last = LLONG_MAX, m->sampling = rate, m->filled = 0;
+  m->done = (whole)floor(m->time * rate * (1 + 1e-12)) + 1;
+  int fault = go_on(run, until, &(taker){take, to, samples});
+  stop_sampling(m);
+  free(samples);
+  return fault;
+}
+
+double ltcgear_time(const ltcgear_run *run) { return run->m.time; }
+
+void ltcgear_state(const ltcgear_run *run, double *x) {
+  const march *m = &run->m;
+  for (whole i = 0; i < m->n; ++i) x[i] = m->origin[i] + m->scale[i] * m->z[i];
+  if (m->angle >= 0) x[m->angle] += TURN * (double)run->turns;
+}
+
+int ltcgear_read(ltcgear_run *run, double *y) {
+  march *m = &run->m;
+  if (!run->started) return NOT_STARTED;
+  place(m, m->z);
+  for (whole i = 0; i < m->n_levels; ++i) m->gain[i] = (double)(m->cells[i] & 1);
+  return read_outputs(run, m->time, m->x, m->gain, y);
+}
+
+ltcgear_whole ltcgear_steps(const ltcgear_run *run) { return run->m.steps; }
+ltcgear_whole ltcgear_switchings(const ltcgear_run *run) { return run->m.events; }

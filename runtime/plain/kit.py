@@ -1,0 +1,57 @@
+"""Kit: the C that is the same for all scenes, and goes with ``model.c`` and ``data.c``."""
+
+from functools import cache
+from pathlib import Path
+
+from .. import continuation, equilibrium, march, regimes, scaling, stepper
+from ..native import FAULTS, FIELDS, SOURCES, source
+
+PARTS = (
+    "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "advance.c", "saving.c",
+)  # fmt: skip
+"""What follows the march in ltcgear.c."""
+UNUSED = ("rows.c", "adjoint.c")
+"""Parts of the march's C that a simulation does not need."""
+HOME = Path(march.__file__).parent / "native" / "plain"
+HEAD = """/* The integration of a gearbox that ltcgear has turned into C, see ltcgear.h; the same for all scenes. */
+#define EXPORTED static
+"""
+CONSTANTS = {
+    "SHORTEST": march.SHORTEST, "LONGEST": march.LONGEST, "FINEST": march.FINEST, "MOST_STEPS": stepper.MOST_STEPS,
+    "SLACK": regimes.SLACK, "HELD": equilibrium.HELD, "LOADED": scaling.LOADED, "UNLOADED": scaling.UNLOADED,
+    "ROUNDED": equilibrium.ROUNDING, "SETTLED": equilibrium.SETTLED, "LOOSENESS": equilibrium.LOOSE,
+    "OPENNESS": equilibrium.OPEN, "FIRST_PART": continuation.FIRST, "SMALLEST_PART": continuation.SMALLEST,
+    "PART_GROWTH": continuation.GROWTH,
+}  # fmt: skip
+"""Numbers that Python's march and search for the equilibrium go by too."""
+
+
+@cache
+def write_kit() -> dict[str, str]:
+    """Return file name -> text of ltcgear.h, ltcgear.c and main.c."""
+    given = {name: _read(name) for name in ("ltcgear.h", "main.c")}
+    return {"ltcgear.h": given["ltcgear.h"], "ltcgear.c": _runtime(), "main.c": given["main.c"]}
+
+
+def _runtime() -> str:
+    """Return ltcgear.c."""
+    core = source(tuple(name for name in SOURCES if name not in UNUSED))
+    return "\n".join([HEAD + core, '#include "ltcgear.h"\n', _tables(), *map(_read, PARTS)])
+
+
+def _tables() -> str:
+    """Write what Python and C share: constants, texts of faults, and numbers that a saved march has."""
+    kept = " ".join(f"X({name})" for name, kind, role in FIELDS if role == "kept" and kind in ("whole", "real"))
+    faults = "".join(f'    "{text}",\n' for text in FAULTS)
+    shares = ", ".join(map(repr, equilibrium.PULLS))
+    return "\n".join([
+        *(f"#define {name} {float(value)!r}" for name, value in CONSTANTS.items()),
+        f"#define PULL_SHARES {shares}",
+        f"#define KEPT_NUMBERS(X) {kept}",
+        f"static const char *const FAULT[] = {{\n{faults}}};\n",
+    ])  # fmt: skip
+
+
+def _read(name: str) -> str:
+    """Return one of the C files."""
+    return (HOME / name).read_text("utf-8")
