@@ -10,7 +10,7 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
 
 FLAGS = (
-    "-std=c11", "-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-fno-math-errno", "-fno-ident", "-Wall", "-Wextra",
+    "-std=c11", "-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-fno-math-errno", "-fno-ident", "-Wall",
     "-Werror", "-s", "-Wl,--build-id=none",
 )  # fmt: skip
 """For any processor of the kind; nothing of the place where it is built goes into the file."""
