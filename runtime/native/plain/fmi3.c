@@ -6,6 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#if defined(__GNUC__)
+#pragma GCC visibility push(default) /* the functions of the standard, and these alone, are seen from outside */
+#endif
+
 typedef struct {
   fmu *model;
   fmi3InstanceEnvironment environment;
