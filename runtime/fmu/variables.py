@@ -30,6 +30,7 @@ NOT_NEGATIVE = ("stiffness", "stiffness_single", "stiffness_double", "damping")
 SMALLEST = 2.2250738585072014e-308
 """The smallest positive normal number, least value of what must be positive."""
 OVER_TIME = "_over_time"
+INITIAL_SPEED = "reference.initial_speed"
 DUTY = "the user's duty: the rate of the speed beside it, zero while that is constant"
 
 
@@ -153,6 +154,8 @@ class Interface:
                 yield None
                 continue
             low = None if self.lowest[i] == -math.inf else self.lowest[i]
+            # Where the speed of the reference is free, it is a state, and the parameter what it begins with.
+            name = INITIAL_SPEED if any(state.name == name for state in self.manifest.states) else name
             yield Variable(
                 "parameter", structure(name), first + i, unit, "parameter", "fixed", "exact", float(self.p[i]), low
             )
