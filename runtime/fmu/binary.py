@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ltcgear.generated import store
-from ltcgear.generated.errors import CompileError
+from ltcgear.generated.errors import CompileError, LtcgearError
 
 FLAGS = (
     "-std=c11", "-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-fno-math-errno", "-fno-ident", "-Wall",
@@ -23,12 +23,12 @@ def platform_of(exchange: bool) -> str:
 
     Raises
     ------
-    CompileError
+    LtcgearError
         If FMI has no name for it.
     """
     system, machine = platform.system(), platform.machine()
     if system != "Linux" or (not exchange and machine != "x86_64"):
-        raise CompileError(f"FMUs are compiled on Linux only (co-simulation: on x86_64), not on {system} {machine}")
+        raise LtcgearError(f"FMUs are compiled on Linux only (co-simulation: on x86_64), not on {system} {machine}")
     return f"{machine}-linux" if exchange else "linux64"
 
 
@@ -38,7 +38,9 @@ def compile_fmu(sources: Mapping[str, str], exchange: bool) -> bytes:
     Raises
     ------
     CompileError
-        If there is no compiler, or it refuses the C.
+        If the compiler refuses it.
+    LtcgearError
+        If there is none.
     """
     compiler = require_compiler()
     with tempfile.TemporaryDirectory(prefix="ltcgear-") as folder:
@@ -59,10 +61,10 @@ def require_compiler() -> store.Compiler:
 
     Raises
     ------
-    CompileError
+    LtcgearError
         If there is none.
     """
     compiler = store.compiler()
     if compiler is None:
-        raise CompileError(NEEDED)
+        raise LtcgearError(NEEDED)
     return compiler

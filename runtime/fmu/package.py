@@ -68,9 +68,9 @@ def write_fmu(
     Raises
     ------
     LtcgearError
-        If the file cannot be written, the kind is not known, or a table is missing.
+        If the file cannot be written, the kind is not known, a table is missing, or there is no C compiler.
     CompileError
-        If there is no C compiler.
+        If the compiler refuses the C.
     SolverError
         If the model has no equilibrium.
     """

@@ -22,7 +22,7 @@ typedef struct {
 #define BEFORE (MODE(FMU_MADE) | MODE(FMU_INITIALIZING))
 
 static fmi2Status say(const instance *c, fmi2Status status, const char *category, const char *message) {
-  if (c->told.logger) c->told.logger(c->told.componentEnvironment, c->name, status, category, "%s", message);
+  if (c->told.logger) c->told.logger(c->told.componentEnvironment, c->name, status, category, message);
   return status;
 }
 

@@ -27,6 +27,8 @@ int fmu_refuse(fmu *f, const char *form, ...) {
   va_start(rest, form);
   vsnprintf(f->message, sizeof f->message, form, rest);
   va_end(rest);
+  for (char *c = f->message; *c; ++c)
+    if (*c == '%') *c = '_'; /* FMI 2.0 takes messages for formats */
   return 1;
 }
 
@@ -177,7 +179,6 @@ static int set_parameter(fmu *f, size_t i, double value) {
   double lowest = fmu_scene.lowest[i];
   if (f->mode != FMU_MADE && f->mode != FMU_INITIALIZING)
     return fmu_refuse(f, "%s: a parameter is set before the initialization ends; reset the instance first", name);
-  if (fmu_scene.above[i] && value <= lowest) return fmu_refuse(f, "%s = %g: must be above %g", name, value, lowest);
   if (value < lowest) return fmu_refuse(f, "%s = %g: must be at least %g", name, value, lowest);
   if (value != f->p[i]) forget(f);
   f->p[i] = value;

@@ -24,8 +24,7 @@ enum {
 typedef struct {
   const char *token;                /* by which an importer shows that it has read this model's description */
   const unsigned *first;            /* value reference at which each kind begins, and the end; some kinds are empty */
-  const double *lowest;             /* what each parameter may be at least; it may be this itself, but for ``above`` */
-  const unsigned char *above;
+  const double *lowest;             /* what each parameter may be at least */
   const double *nominal;            /* size of each state's vibrations */
   const double *angle_ratio;        /* of each angle: the rotor's speed over the reference's, and the output that is */
   const ltcgear_whole *angle_twist; /* its deviation from the rigid motion */
