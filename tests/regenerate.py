@@ -1,10 +1,15 @@
 """Rewrite what is committed and follows from the code: C, manifests, pages (`make regenerate`, `make docs`)."""
 
+import re
 import sys
 from pathlib import Path
 
+import numpy as np
 from ltcgear.generated import store
 from ltcgear.runtime.cli.command_page import write_commands
+from ltcgear.runtime.library import build
+from ltcgear.runtime.plain.data import Run, write_data
+from ltcgear.runtime.plain.kit import write_kit
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.effect_page import write_effects
 from ltcgear.symbolic.pipeline import generate
@@ -16,17 +21,60 @@ HOME = ROOT / "generated"
 PAGES = {"commands.md": write_commands, "effects.md": write_effects}
 
 
+COMPUTED = re.compile(r"(static const double (?:values|start)\[\] = \{\n)(.*?)(\n\};)", re.DOTALL)
+"""The arrays of data.c whose last digits are the processor's: results of functions of angles, and of an iteration."""
+CLOSE = 1e-9
+"""Over the largest number of a freedom's kind, how close they must come."""
+
+
 def texts(scene: str) -> dict[str, str]:
     """Return the files of a committed scene as the present equations give them."""
-    files = store.files(generate(build_model(load_scene(scene))))
-    return {name: files[name] for name in ("model.c", "manifest.json")}
+    settings = load_scene(scene)
+    model = build_model(settings)
+    artifact = generate(model)
+    files = store.files(artifact)
+    run = Run(model.values(), model.tables, settings.simulation.t_end, settings.simulation.rate)
+    data = write_data(build(artifact), settings.name, run)
+    return {name: files[name] for name in ("model.c", "manifest.json")} | {"data.c": data}
+
+
+def fixed(text: str) -> str:
+    """Return a text without the numbers whose last digits may differ between processors."""
+    return COMPUTED.sub(r"\1\3", text)
+
+
+def computed(text: str) -> list[np.ndarray]:
+    """Return those numbers."""
+    return [
+        np.array([float(number) for number in found[2].split(",") if number.strip()])
+        for found in COMPUTED.finditer(text)
+    ]
+
+
+def same(one: str, two: str) -> bool:
+    """Tell whether two texts say the same."""
+    close = (
+        np.abs(a - b) <= CLOSE * np.maximum(np.abs(a), 1e-3) for a, b in zip(computed(one), computed(two), strict=True)
+    )
+    return fixed(one) == fixed(two) and all(each.all() for each in close)
+
+
+def keep(target: Path, files: dict[str, str]) -> dict[str, str]:
+    """Return the files that say something else than those of a folder."""
+    old = {name: (target / name).read_text("utf-8") for name in files if (target / name).is_file()}
+    return {name: text for name, text in files.items() if name not in old or not same(old[name], text)}
 
 
 def main(docs_only: bool) -> None:
     store.write_folder(ROOT / "docs", {name: write() for name, write in PAGES.items()})
     print("wrote " + ", ".join(f"docs/{name}" for name in PAGES))
-    for scene, folder in () if docs_only else COMMITTED.items():
-        store.write_folder(HOME / folder, texts(scene))
+    if docs_only:
+        return
+    for folder, files in {
+        "plain": write_kit(),
+        **{folder: texts(scene) for scene, folder in COMMITTED.items()},
+    }.items():
+        store.write_folder(HOME / folder, keep(HOME / folder, files))
         print(f"wrote generated/{folder}")
 
 

@@ -189,7 +189,8 @@ def test_generate(data, tmp_path):
     shown = data("generate", "psh", "-o", target)
     assert {"files", "ops", "seconds", "key"} <= set(shown)
     assert {"derive", "check", "emit", "compile"} <= set(shown["seconds"])
-    assert sorted(path.name for path in target.iterdir()) == ["manifest.json", "model.c"]
+    expected = ["data.c", "ltcgear.c", "ltcgear.h", "main.c", "manifest.json", "model.c"]
+    assert sorted(path.name for path in target.iterdir()) == expected
     assert all(Path(file).is_file() for file in shown["files"])
     assert (target / "model.c").read_text("utf-8").count("{") > 10
     assert all(Path(file).is_file() for file in data("generate", "psh")["files"])

@@ -9,7 +9,7 @@ from ltcgear.generated.errors import LtcgearError
 from .. import present
 from ..options import AsJson, CFolder, Changes, Fresh, MaybeScene, Printed, SceneName, Sources
 from .app import app
-from .opening import compile_model, open_scene, split_changes
+from .opening import compile_model, open_scene, read_run, split_changes
 
 
 @app.command()
@@ -69,13 +69,20 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
 def generate(
     scene: SceneName, output: CFolder = None, fresh: Fresh = False, changes: Changes = None, as_json: AsJson = False
 ) -> None:
-    """Derive, check, emit and compile a scene's C. It is kept in the store; -o makes a copy."""
+    """Derive, check, emit and compile a scene's C, and keep it in the store.
+
+    -o writes it to a folder, with all that plain C needs to simulate it.
+    """
     opened = open_scene(scene, changes, fresh)
     library = compile_model(opened)
     files = store.files(opened.artifact)
     del files["graphs.casadi"]
     folder = output or store.model_folder(opened.key)
     if output is not None:
+        from ..plain.data import write_data
+        from ..plain.kit import write_kit
+
+        files |= write_kit() | {"data.c": write_data(library, opened.scene.name, read_run(opened))}
         store.write_folder(output, files)
     ops = {name: signature.operations for name, signature in opened.artifact.manifest.functions.items()}
     data = {

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..library import Library
     from ..linear.modes import Mode
     from ..linear.system import Linear
+    from ..plain.data import Run
 
 
 @dataclass
@@ -83,6 +84,14 @@ def compile_model(opened: Opened) -> "Library":
     if library.path is None:
         print(NO_COMPILER, file=sys.stderr)
     return library
+
+
+def read_run(opened: Opened) -> "Run":
+    """Return what a scene simulates, in numbers."""
+    from ..plain.data import Run
+
+    simulation = opened.scene.simulation
+    return Run(opened.model.values(), opened.model.tables, simulation.t_end, simulation.rate)
 
 
 MANY = 150

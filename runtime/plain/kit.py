@@ -3,6 +3,8 @@
 from functools import cache
 from pathlib import Path
 
+from ltcgear.generated.contract import HELD
+
 from .. import continuation, equilibrium, march, regimes, scaling, stepper
 from ..native import FAULTS, FIELDS, SOURCES, source
 
@@ -18,7 +20,7 @@ HEAD = """/* The integration of a gearbox that ltcgear has turned into C, see lt
 """
 CONSTANTS = {
     "SHORTEST": march.SHORTEST, "LONGEST": march.LONGEST, "FINEST": march.FINEST, "MOST_STEPS": stepper.MOST_STEPS,
-    "SLACK": regimes.SLACK, "HELD": equilibrium.HELD, "LOADED": scaling.LOADED, "UNLOADED": scaling.UNLOADED,
+    "SLACK": regimes.SLACK, "HELD": HELD, "LOADED": scaling.LOADED, "UNLOADED": scaling.UNLOADED,
     "ROUNDED": equilibrium.ROUNDING, "SETTLED": equilibrium.SETTLED, "LOOSENESS": equilibrium.LOOSE,
     "OPENNESS": equilibrium.OPEN, "FIRST_PART": continuation.FIRST, "SMALLEST_PART": continuation.SMALLEST,
     "PART_GROWTH": continuation.GROWTH,
@@ -43,10 +45,8 @@ def _tables() -> str:
     """Write what Python and C share: constants, texts of faults, and numbers that a saved march has."""
     kept = " ".join(f"X({name})" for name, kind, role in FIELDS if role == "kept" and kind in ("whole", "real"))
     faults = "".join(f'    "{text}",\n' for text in FAULTS)
-    shares = ", ".join(map(repr, equilibrium.PULLS))
     return "\n".join([
         *(f"#define {name} {float(value)!r}" for name, value in CONSTANTS.items()),
-        f"#define PULL_SHARES {shares}",
         f"#define KEPT_NUMBERS(X) {kept}",
         f"static const char *const FAULT[] = {{\n{faults}}};\n",
     ])  # fmt: skip

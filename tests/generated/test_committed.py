@@ -1,4 +1,4 @@
-"""The committed C is what the present equations give, byte for byte, whatever the hash seed."""
+"""The committed C is what the present equations give, byte for byte (data but for rounding), whatever the hash seed."""
 
 import os
 import subprocess
@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 from ltcgear.generated import store
+from ltcgear.runtime.plain.kit import write_kit
 
-from regenerate import COMMITTED, HOME, texts
+from regenerate import COMMITTED, HOME, computed, fixed, keep, same, texts
 
 ROOT = Path(__file__).parents[2]
 
@@ -17,16 +18,36 @@ ROOT = Path(__file__).parents[2]
 def test_committed_files_are_up_to_date(scene: str) -> None:
     for name, text in texts(scene).items():
         committed = (HOME / COMMITTED[scene] / name).read_text("utf-8")
-        assert committed == text, f"generated/{COMMITTED[scene]}/{name} is stale; run `make regenerate`"
+        assert fixed(committed) == fixed(text), f"generated/{COMMITTED[scene]}/{name} is stale; run `make regenerate`"
+        assert same(committed, text), f"generated/{COMMITTED[scene]}/{name}: other numbers; run `make regenerate`"
+
+
+def test_committed_kit_is_up_to_date() -> None:
+    assert {path.name for path in (HOME / "plain").iterdir()} == set(write_kit())
+    for name, text in write_kit().items():
+        assert (HOME / "plain" / name).read_text("utf-8") == text, f"{name} is stale; run `make regenerate`"
+
+
+def test_numbers_are_the_same_but_for_rounding() -> None:
+    text = (HOME / "rig_2mw" / "data.c").read_text("utf-8")
+    values, start = computed(text)
+    assert (len(values), len(start)) == (164, 83)
+    speed, torque = f"\n  {float(values[0])!r},", "-10600.0,"
+    assert speed in text
+    assert torque in text
+    assert same(text, text.replace(speed, f"\n  {float(values[0]) * (1 + 1e-15)!r},"))
+    assert keep(HOME / "rig_2mw", {"data.c": text.replace(torque, "-10600.000000000002,")}) == {}
+    assert not same(text, text.replace(torque, "-10600.001,"))
+    assert not same(text, text.replace('"motor.inertia"', '"motor.mass"'))
 
 
 @pytest.mark.parametrize("seed", ["1", "4711"])
 def test_the_hash_seed_changes_nothing(seed: str) -> None:
-    code = "from regenerate import store, texts; print(store.digest(list(texts('lin-parker-3').values())))"
+    code = "from regenerate import *; print(store.digest([fixed(t) for t in texts('lin-parker-3').values()]))"
     environment = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT / "tests")}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    committed = [(HOME / "lin_parker_3" / name).read_text("utf-8") for name in ("model.c", "manifest.json")]
-    assert run.stdout.strip() == store.digest(committed)
+    committed = [(HOME / "lin_parker_3" / name).read_text("utf-8") for name in ("model.c", "manifest.json", "data.c")]
+    assert run.stdout.strip() == store.digest([fixed(text) for text in committed])
 
 
 @pytest.mark.parametrize("folder", COMMITTED.values())

@@ -3,12 +3,15 @@
 #define NEWTON 60 /* steps after which it is given up */
 #define HALVINGS 40
 
+/* What is followed from 1 to 0: how far numbers and loads are the scene's, clearances closed, teeth able to pull. */
+enum { BLENDING, OPENING, RELEASING };
+
 /* What a search has: parameters, levels and signals it holds for, and room. */
 typedef struct {
   ltcgear_run *run;
   double *p, *s, *x, *trial, *nonzeros, *xdot, *force, *load, *size, *scale, *guess, *slope, *basis;
   equations e;
-  int opening;
+  int way;
 } balance;
 
 static void lay_out_balance(balance *b, room *r) {
@@ -191,11 +194,13 @@ static int iterate(balance *b) {
   return UNSETTLED;
 }
 
-/* Pose the problem at a part of the way that is followed: of the loads and numbers from the scene's to the run's, or of
- * clearances that open. */
+/* Pose the problem at a part of the way that is followed. */
 static void pose_part(balance *b, double part) {
-  if (b->opening) pose(b, 0, 1, part);
-  else pose(b, part, 0, 0);
+  switch (b->way) {
+    case BLENDING: pose(b, part, 0, 0); break;
+    case OPENING: pose(b, 0, 1, part); break;
+    default: pose(b, 0, part, 0);
+  }
 }
 
 /* Follow the equilibrium from part 1, where it is found from x, to part 0, by secants and steps that adapt. */
@@ -224,19 +229,17 @@ static int follow(balance *b) {
   return fault;
 }
 
-/* From the rigid motion: close what a load has to close first. Bearings without clearance, teeth that pull, too; then
+/* From the rigid motion, close what a load has to close first: bearings without clearance, and teeth that pull too. Then
  * let clearances open, and teeth pull less and less. */
 static int close_first(balance *b) {
-  const double share[] = {PULL_SHARES, 0.0};
+  const ltcgear_model *model = b->run->model;
   int fault = DONE;
-  b->opening = 1;
   place_rigid(b, b->x);
-  if (b->run->model->closing >= 0) fault = follow(b);
-  for (size_t i = b->run->model->pull >= 0 ? 0 : sizeof share / sizeof *share - 1; i < sizeof share / sizeof *share; ++i) {
-    pose(b, 0, share[i], 0);
-    if (fault || (fault = iterate(b))) return fault;
-  }
-  return DONE;
+  if (model->closing >= 0) b->way = OPENING, fault = follow(b);
+  if (!fault && model->pull >= 0) b->way = RELEASING, fault = follow(b);
+  if (fault) return fault;
+  pose(b, 0, 0, 0);
+  return iterate(b);
 }
 
 /* Find the equilibrium for a run's parameters and loads. */
@@ -244,13 +247,12 @@ static int find_equilibrium(balance *b) {
   const ltcgear_model *model = b->run->model;
   const size_t all = (size_t)model->n_states * sizeof *b->x;
   if (!model->n_freedoms) return NO_FREEDOM;
-  for (int way = 0; way < 2; ++way) {
+  for (int followed = 0; followed < 2; ++followed) {
     memcpy(b->x, model->start, all);
     if (model->free_speed >= 0) b->x[model->free_speed] = b->run->parameters[model->speed];
-    pose(b, 0, 0, 0);
-    b->opening = 0;
-    int fault = way == 0 ? iterate(b) : follow(b);
-    if (!fault) return DONE;
+    b->way = BLENDING;
+    pose_part(b, 0);
+    if (!(followed ? follow(b) : iterate(b))) return DONE;
   }
   return close_first(b);
 }

@@ -23,11 +23,13 @@ static int refuse(const char *what, const char *why) {
   return 2;
 }
 
-/* Read a whole text as a number. */
+/* Read a whole text as a number; where it is none, the value stays. */
 static int read_number(const char *text, double *value) {
   char *end;
-  *value = strtod(text, &end);
-  return end != text && !*end && isfinite(*value);
+  double found = strtod(text, &end);
+  if (end == text || *end || !isfinite(found)) return 0;
+  *value = found;
+  return 1;
 }
 
 static ltcgear_whole find_parameter(const ltcgear_model *model, const char *name, size_t length) {
@@ -39,7 +41,7 @@ static ltcgear_whole find_parameter(const ltcgear_model *model, const char *name
 /* Take one argument: NAME=VALUE. */
 static int set_parameter(ltcgear_run *run, const ltcgear_model *model, const char *argument) {
   const char *sign = strchr(argument, '=');
-  double value;
+  double value = 0;
   if (!sign) return refuse(argument, "write NAME=VALUE, or a time in seconds first");
   ltcgear_whole parameter = find_parameter(model, argument, (size_t)(sign - argument));
   if (parameter < 0) return refuse(argument, "no such parameter; their names are in data.c");

@@ -1,0 +1,130 @@
+/* A gearbox from plain C: simulate a scene that ltcgear has turned into C, with a C compiler and its mathematics only.
+ *
+ *     cc -O3 *.c -lm
+ *
+ * model.c has the equations, data.c the scene's numbers and names, ltcgear.c the integration, main.c is an example. All
+ * quantities are in SI units. Functions that may fail return a status, 0 where all is done; ltcgear_reason() says what
+ * another one means. Nothing is shared between runs: each may be used by one thread at a time, many side by side. */
+#ifndef LTCGEAR_H
+#define LTCGEAR_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef long long ltcgear_whole;
+typedef int (*ltcgear_function)(const double **arg, double **res, ltcgear_whole *iw, double *w, int mem);
+typedef int (*ltcgear_room)(ltcgear_whole *arg, ltcgear_whole *res, ltcgear_whole *iw, ltcgear_whole *w);
+
+/* A name and an SI unit. */
+typedef struct {
+  const char *name, *unit;
+} ltcgear_label;
+
+/* A generated function, and what tells the room it needs. */
+typedef struct {
+  ltcgear_function run;
+  ltcgear_room room;
+} ltcgear_code;
+
+/* A load over time [s], linear between its rows and constant beyond their ends; where it passes through zero is a row. */
+typedef struct {
+  const char *name;
+  ltcgear_whole rows;
+  const double *time, *value;
+} ltcgear_table;
+
+/* A freedom: its states (deviation from the rigid motion and rate), the parameter that is its inertia, 1 for an angle. */
+typedef struct {
+  ltcgear_whole position, rate, inertia;
+  unsigned char turns;
+} ltcgear_freedom;
+
+/* What follows the reference angle without end, a mesh phase [cycles] or an angle [rad]: in one turn of the reference it
+ * goes on by ``cycles`` whole ones and step / below more; whole periods, modulus / below cycles each, are left out of
+ * its start (a parameter). Level and output are those of its mesh, -1 where it has none. */
+typedef struct {
+  ltcgear_whole start, level, output, step, below, modulus, cycles, period;
+  double unit;
+} ltcgear_clock;
+
+/* What is constant about a scene's model. Places of what it does not have are -1. */
+typedef struct {
+  const char *name, *key;
+  double t_end, rate;                                 /* the scene's time to simulate [s] and samples a second [Hz] */
+  ltcgear_whole n_states, n_levels, n_signals, n_holds, n_parameters, n_outputs, n_tables;
+  ltcgear_whole n_freedoms, n_clocks, n_forces;
+  const ltcgear_label *states, *parameters, *outputs; /* outputs are called quantity:item */
+  const double *parameter_values, *start;             /* the scene's numbers, and its loaded equilibrium (states) */
+  const unsigned char *parameter_fixed;               /* 1: follows from structure (teeth, phases): cannot be set */
+  const ltcgear_table *tables;
+  const ltcgear_whole *signal_table;                  /* the table of each load signal */
+  const unsigned char *signal_slope;                  /* 1: the signal is the table's slope, 0: its value */
+  const ltcgear_whole *jacobian_colind, *jacobian_row; /* compressed columns of d xdot / d x */
+  ltcgear_code rhs, jacobian, output, phases, borders, energy, motion;
+  const ltcgear_freedom *freedoms;
+  const ltcgear_clock *clocks;
+  const ltcgear_whole *holds;                         /* parameters that hold a contact open or closed */
+  const unsigned char *hold_closes;                   /* 1: of a contact that closes, 0: of a friction force's sign */
+  const ltcgear_whole *forces;                        /* outputs that are mesh forces */
+  ltcgear_whole angle, free_speed;                    /* states: angle of the reference, its speed where that is free */
+  ltcgear_whole speed, speed_signal;                  /* parameter and signal: speed of the reference */
+  unsigned char speed_held;                           /* 1: that parameter is the speed throughout */
+  ltcgear_whole pull, varying, closing;               /* parameters that the search for the equilibrium turns */
+} ltcgear_model;
+
+extern const ltcgear_model ltcgear_scene; /* the scene of data.c */
+
+typedef struct ltcgear_run ltcgear_run; /* one simulation */
+
+/* Make a run, with a relative tolerance that refers to vibrations (1e-6 is usual). NULL: no memory, or rtol outside
+ * 1e-13..0.1. ltcgear_destroy() frees it. */
+ltcgear_run *ltcgear_create(const ltcgear_model *model, double rtol);
+void ltcgear_destroy(ltcgear_run *run);
+
+/* Set a parameter (its place in model->parameters) before the start. Refused: what is fixed, what is not finite, and an
+ * inertia that is not positive. */
+int ltcgear_set(ltcgear_run *run, ltcgear_whole parameter, double value);
+double ltcgear_get(const ltcgear_run *run, ltcgear_whole parameter);
+
+/* Let a table (a load over time) run linearly between two values from now until a time [s], and stay there, instead of
+ * its rows. A speed must not jump: begin with the value it has. */
+int ltcgear_steer(ltcgear_run *run, ltcgear_whole table, double from, double to, double until);
+
+/* Find the loaded equilibrium for parameters and loads, and begin there at a time [s]. */
+int ltcgear_start(ltcgear_run *run, double time);
+
+/* Integrate, with every switching of a mesh or a contact at its own instant, exactly to a time [s]. Where that fails the
+ * run stays where it was followed to. */
+int ltcgear_advance(ltcgear_run *run, double until);
+
+/* The same, and hand on all samples k / rate that lie after the present time, up to ``until``: states, outputs, and what
+ * was given as ``to``. Nothing is integrated to the samples one by one. Other than 0 from ``take`` ends it, as status. */
+typedef int (*ltcgear_taker)(void *to, double time, const double *x, const double *y);
+int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker take, void *to);
+
+/* Time [s], states, and outputs of the present; whole turns of angles and cycles of mesh phases included. */
+double ltcgear_time(const ltcgear_run *run);
+void ltcgear_state(const ltcgear_run *run, double *x);
+int ltcgear_read(ltcgear_run *run, double *y);
+
+/* Steps that were made, and mesh switchings, so far. */
+ltcgear_whole ltcgear_steps(const ltcgear_run *run);
+ltcgear_whole ltcgear_switchings(const ltcgear_run *run);
+
+/* Save a run (ltcgear_size() bytes, the same for all runs of a model) and go on from there, in any run of the model;
+ * bytes of another model are refused. */
+size_t ltcgear_size(const ltcgear_run *run);
+void ltcgear_save(const ltcgear_run *run, void *to);
+int ltcgear_restore(ltcgear_run *run, const void *from);
+
+/* Say what a status means. */
+const char *ltcgear_reason(int status);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
