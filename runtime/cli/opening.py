@@ -46,9 +46,7 @@ def split_changes(pairs: list[str] | None) -> dict[str, str]:
     return {key: value for key, _, value in split}
 
 
-def open_scene(
-    name: str, changes: list[str] | None = None, fresh: bool = False, steered: bool = False
-) -> Opened:
+def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False, steered: bool = False) -> Opened:
     """Take a scene through all stages up to generated C; what the store holds is not derived again.
 
     scene -> Model -> (derive -> check -> emit, or the store) -> Artifact; ``steered`` turns its constant loads into

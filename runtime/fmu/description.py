@@ -59,8 +59,7 @@ def describe_build(head: Head) -> str:
 
 def _simulation(head: Head, interface: Interface) -> str:
     """Return the description of FMI 2.0."""
-    root = ET.Element("fmiModelDescription", fmiVersion="2.0", **_about(head), guid=head.token)
-    root.set("numberOfEventIndicators", "0")
+    root = ET.Element("fmiModelDescription", {"fmiVersion": "2.0"} | _about(head) | {"guid": head.token})
     kind = ET.SubElement(
         root, "CoSimulation", modelIdentifier=head.identifier, canHandleVariableCommunicationStepSize="true",
         canNotUseMemoryManagementFunctions="true", canGetAndSetFMUstate="true", canSerializeFMUstate="true",
@@ -70,9 +69,8 @@ def _simulation(head: Head, interface: Interface) -> str:
         ET.SubElement(files, "File", name=name)
     _add_common(root, head, interface)
     listed = ET.SubElement(root, "ModelVariables")
-    number = {}
-    for number_of, variable in enumerate(interface.variables, start=1):
-        number[variable.reference] = str(number_of)
+    index = {variable.reference: str(i) for i, variable in enumerate(interface.variables, start=1)}
+    for variable in interface.variables:
         place = {"name": variable.name, "valueReference": str(variable.reference)}
         item = ET.SubElement(listed, "ScalarVariable", place | _roles(variable))
         ET.SubElement(item, "Real", _numbers(variable))
@@ -80,13 +78,13 @@ def _simulation(head: Head, interface: Interface) -> str:
     for section in ("Outputs", "InitialUnknowns"):  # states of a co-simulation are nobody else's, and no unknowns
         inside = ET.SubElement(structure, section)
         for variable in interface.of("output", "angle", "count"):
-            ET.SubElement(inside, "Unknown", index=number[variable.reference])
+            ET.SubElement(inside, "Unknown", index=index[variable.reference])
     return _text(root)
 
 
 def _exchange(head: Head, interface: Interface) -> str:
     """Return the description of FMI 3.0."""
-    root = ET.Element("fmiModelDescription", fmiVersion="3.0", **_about(head), instantiationToken=head.token)
+    root = ET.Element("fmiModelDescription", {"fmiVersion": "3.0"} | _about(head) | {"instantiationToken": head.token})
     ET.SubElement(
         root, "ModelExchange", modelIdentifier=head.identifier, canGetAndSetFMUState="true",
         canSerializeFMUState="true", needsCompletedIntegratorStep="false",

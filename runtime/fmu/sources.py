@@ -33,7 +33,7 @@ def write_sources(library: Library, name: str, run: Run, interface: Interface) -
 def write_variables(interface: Interface, token: str) -> str:
     """Return ``variables.c``."""
     states = [state.name for state in interface.manifest.states]
-    arrays = {
+    arrays: dict[str, tuple[str, Iterable[object]]] = {
         "first": ("unsigned", interface.first),
         "lowest": ("double", [_real(value) for value in interface.lowest]),
         "nominal": ("double", map(_real, interface.nominal)),

@@ -182,7 +182,8 @@ class Interface:
         if not self.exchange:
             return
         units = dict(self.manifest.parameters)
-        named = [(f"{structure(mesh)}.border_{side}", "") for mesh in self.manifest.levels for side in ("ahead", "behind")]
+        sides = ("ahead", "behind")
+        named = [(f"{structure(mesh)}.border_{side}", "") for mesh in self.manifest.levels for side in sides]
         named += [(f"{structure(hold.removeprefix('hold.'))}.border", units[hold]) for hold in self.manifest.holds]
         for i, (name, unit) in enumerate(named, start=first):
             yield Variable(

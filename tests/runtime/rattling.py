@@ -17,8 +17,20 @@ effects = { contact = "backlash", lateral = "off", transmission_error = "on" }
 kind = "pair"
 module = "4 mm"
 pressure_angle = "20 deg"
-input = { teeth = 31, mass = "4 kg", inertia = "0.01 kg*m^2", support = "bearing", bearing = { stiffness = "1e9 N/m" } }
-output = { teeth = 43, mass = "8 kg", inertia = "0.04 kg*m^2", support = "bearing", bearing = { stiffness = "1e9 N/m" } }
+
+[stages.pair.input]
+teeth = 31
+mass = "4 kg"
+inertia = "0.01 kg*m^2"
+support = "bearing"
+bearing.stiffness = "1e9 N/m"
+
+[stages.pair.output]
+teeth = 43
+mass = "8 kg"
+inertia = "0.04 kg*m^2"
+support = "bearing"
+bearing.stiffness = "1e9 N/m"
 
 [stages.pair.mesh]
 stiffness = "2e8 N/m"

@@ -77,6 +77,7 @@ class Instance:
     def instantiate(self):
         """Make it."""
         if self.two:
+
             def log(component, name, status, category, message):
                 self.said.append((status, message.decode()))
 
@@ -349,7 +350,7 @@ def test_steps_may_differ(cs, ours, make):
 
 WRONG = {
     "pair.output.inertia": (0.0, "must be at least 2"),
-    "pair.output.mass": (-1.0, "must be at least 2"),
+    "pair.input.inertia": (-1.0, "must be at least 2"),
     "pair.mesh.stiffness_single": (-1.0, "must be at least 0"),
     "pair.mesh.damping": (float("nan"), "not finite"),
     "loads.brake.torque": (float("inf"), "not finite"),
@@ -369,10 +370,10 @@ def test_wrong_values_are_refused(kind, make, request):
         assert refused.value.status == ERROR
         assert not instance.two or (instance.said[-1][0] == ERROR and why in instance.said[-1][1])
     instance.initialise()
+    instance.reference["none"] = 10**6
     for setting in (False, True):
         with pytest.raises(FMICallException) as refused:
-            instance.reference["none"] = 10**6
-            instance["none"] = 1.0 if setting else instance["none"]
+            instance.__setitem__("none", 1.0) if setting else instance["none"]
         assert refused.value.status == ERROR
     with pytest.raises(FMICallException) as refused:
         instance["pair.output.inertia"] = 0.05
