@@ -1029,6 +1029,7 @@ EXPORTED int ltcgear_march(march *m, whole segments, double seconds) {
 #define FIRST_PART 0.25
 #define SMALLEST_PART 1e-10
 #define PART_GROWTH 4.0
+#define REACH 3.5
 #define KEPT_NUMBERS(X) X(fresh) X(expected) X(steps) X(rhs) X(jacobian) X(rejected) X(segments) X(events) X(regimes) X(time) X(unpassed) X(work) X(jump_energy) X(longest) X(first) X(step)
 static const char *const FAULT[] = {
     "",
@@ -1973,6 +1974,8 @@ int ltcgear_read(ltcgear_run *run, double *y) {
 
 ltcgear_whole ltcgear_steps(const ltcgear_run *run) { return run->m.steps; }
 ltcgear_whole ltcgear_switchings(const ltcgear_run *run) { return run->m.events; }
+
+double ltcgear_expected_steps(const ltcgear_run *run, double seconds) { return seconds * run->quickest / REACH; }
 
 /* Saved runs: all that a run needs to go on as if it had not stopped. */
 

@@ -114,6 +114,10 @@ int ltcgear_read(ltcgear_run *run, double *y);
 ltcgear_whole ltcgear_steps(const ltcgear_run *run);
 ltcgear_whole ltcgear_switchings(const ltcgear_run *run);
 
+/* How many steps so many seconds take at least: the explicit method follows the fastest motion, even one at rest. More
+ * than 1e9 are more than an hour. */
+double ltcgear_expected_steps(const ltcgear_run *run, double seconds);
+
 /* Save a run (ltcgear_size() bytes, the same for all runs of a model) and go on from there, in any run of the model;
  * bytes of another model are refused. */
 size_t ltcgear_size(const ltcgear_run *run);

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ltcgear.generated.contract import HELD
 
-from .. import continuation, equilibrium, march, regimes, scaling, stepper
+from .. import continuation, equilibrium, guard, march, regimes, scaling, stepper
 from ..native import FAULTS, FIELDS, SOURCES, source
 
 PARTS = (
@@ -24,7 +24,7 @@ CONSTANTS = {
     "SLACK": regimes.SLACK, "HELD": HELD, "LOADED": scaling.LOADED, "UNLOADED": scaling.UNLOADED,
     "ROUNDED": equilibrium.ROUNDING, "SETTLED": equilibrium.SETTLED, "LOOSENESS": equilibrium.LOOSE,
     "OPENNESS": equilibrium.OPEN, "FIRST_PART": continuation.FIRST, "SMALLEST_PART": continuation.SMALLEST,
-    "PART_GROWTH": continuation.GROWTH,
+    "PART_GROWTH": continuation.GROWTH, "REACH": guard.REACH,
 }  # fmt: skip
 """Numbers that Python's march and search for the equilibrium go by too."""
 

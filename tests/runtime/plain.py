@@ -30,13 +30,13 @@ def write(found: Case, folder: Path) -> Path:
     return folder
 
 
-def compiled(folder: Path, name: str, *flags: str, main: str | None = "main.c") -> Path:
+def compiled(folder: Path, name: str, *flags: str, main: str | None = "main.c", kit: str | None = "ltcgear.c") -> Path:
     """Compile a folder's C, each file once; any warning is an error. Optimising the equations would take long."""
     compiler = store.compiler()
     if compiler is None:
         pytest.skip("no C compiler here")
     objects = []
-    for source in filter(None, ("model.c", "data.c", "ltcgear.c", main)):
+    for source in filter(None, ("model.c", "data.c", kit, main)):
         objects.append(folder / f"{store.digest(flags)[:8]}-{source}.o")
         level = ("-O0", *UNUSED) if source == "model.c" else ("-O1" if "-g" in flags else "-O2",)
         if not objects[-1].exists():

@@ -80,6 +80,9 @@ def test_the_rig_has_the_mesh_forces_of_simulate(rig):
     assert err == ""
     assert out.startswith("scene: 0.0999756 s simulated in ")
     agree(out, means(found, 0.1))
+    path = found.run(method="erk", rtol=1e-6, t_end=0.1)
+    steps, switchings = (int(part.split()[0]) for part in out.splitlines()[0].split("), ")[1].split(", "))
+    assert (steps, switchings) == (pytest.approx(path.counts.steps, rel=0.01), path.counts.events)
 
 
 def test_a_changed_parameter_changes_equilibrium_and_motion(rig):
@@ -145,6 +148,29 @@ def test_sanitizers_find_nothing(start_up):
 
 def forces_of(out):
     return {mesh: row[0] for mesh, row in forces(out).items()}
+
+
+def test_a_run_without_end_is_refused(place):
+    out, err = execute(program(write(case("hard-tiny-inertia"), place("tiny"))), "10", code=1)
+    assert out == ""
+    assert "one motion is so fast that" in err
+    assert len(err.splitlines()) == 1
+
+
+def test_parts_have_their_closed_forms(start_up):
+    folder = start_up[2]
+    (folder / "parts.c").write_text((Path(__file__).parent / "plain_parts.c").read_text("utf-8"), "utf-8")
+    assert execute(compiled(folder, "parts", main="parts.c", kit=None)) == ("", "")
+
+
+def test_the_program_of_the_page(start_up):
+    folder = start_up[2]
+    page = Path(__file__).parents[2] / "docs" / "plain-c.md"
+    (folder / "own.c").write_text(page.read_text("utf-8").split("```c\n")[1].split("```")[0], "utf-8")
+    out, err = execute(compiled(folder, "own", main="own.c"))
+    assert err == ""
+    assert [line.split(" N")[0].split(" s, ")[0] for line in out.splitlines()] == [f"{k / 100:g}" for k in range(1, 11)]
+    assert all("mesh_force:pair.mesh: " in line for line in out.splitlines())
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.7, 1e-3, -1.0, -0.01])

@@ -102,3 +102,5 @@ int ltcgear_read(ltcgear_run *run, double *y) {
 
 ltcgear_whole ltcgear_steps(const ltcgear_run *run) { return run->m.steps; }
 ltcgear_whole ltcgear_switchings(const ltcgear_run *run) { return run->m.events; }
+
+double ltcgear_expected_steps(const ltcgear_run *run, double seconds) { return seconds * run->quickest / REACH; }

@@ -11,6 +11,8 @@
 
 #include "ltcgear.h"
 
+#define MOST_STEPS 1e9
+
 /* What is gathered of every mesh force from a time on. */
 typedef struct {
   const ltcgear_model *model;
@@ -84,7 +86,11 @@ static double seconds(void) {
 static int simulate(ltcgear_run *run, gathered *g, double t_end) {
   double begun = seconds();
   int status = ltcgear_start(run, 0.0);
-  double ready = seconds();
+  double ready = seconds(), steps = ltcgear_expected_steps(run, t_end);
+  if (!status && steps > MOST_STEPS) {
+    fprintf(stderr, "%s: one motion is so fast that %.0e steps were needed; simulate less time\n", g->model->name, steps);
+    return 1;
+  }
   if (!status) status = ltcgear_record(run, t_end, g->model->rate, gather, g);
   if (status) fprintf(stderr, "%s, t = %g s: %s\n", g->model->name, ltcgear_time(run), ltcgear_reason(status));
   if (status) return 1;
