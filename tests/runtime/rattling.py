@@ -1,6 +1,6 @@
 """A pair whose teeth part and meet again, with inputs: what the tests of FMUs simulate."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ltcgear.runtime import build, simulate, write_fmu
 from ltcgear.runtime.library import Library
@@ -67,16 +67,16 @@ class Steered:
     tables: dict
     inputs: tuple[str, ...]
     title: str = ""
-    made: dict = field(default_factory=dict)
 
     def simulate(self, changes=None, tables=None, rtol=1e-9, t_end=T_END, rate=RATE):
         """Simulate with other parameters or tables."""
         values, led = self.values | (changes or {}), self.tables | (tables or {})
         return simulate(self.library, values, t_end=t_end, rate=rate, rtol=rtol, tables=led, method="erk")
 
-    def write(self, path, kind="co-simulation", t_end=T_END, rate=RATE):
-        """Write it as an FMU."""
-        options = {"kind": kind, "name": self.name, "title": self.title, "tables": self.tables, "inputs": self.inputs}
+    def write(self, path, kind="co-simulation", t_end=T_END, rate=RATE, tables=None, inputs=None):
+        """Write it as an FMU, with other tables or inputs where they are given."""
+        led, inputs = self.tables | (tables or {}), self.inputs if inputs is None else inputs
+        options = {"kind": kind, "name": self.name, "title": self.title, "tables": led, "inputs": inputs}
         return write_fmu(self.library, self.values, path, t_end=t_end, rate=rate, **options)
 
 

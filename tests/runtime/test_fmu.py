@@ -222,6 +222,29 @@ def test_a_speed_is_reached_at_the_end_of_a_step(cs, pair, make):
     assert instance["pair.input.speed"] == pytest.approx(1.2 * rated)
 
 
+def test_loads_over_time_stay_inside(pair, folder):
+    rated = pair.tables[SPEED][0][1]
+    pair_of_tables = {
+        SPEED: ((0.0, rated), (0.0021, rated), (0.0123, 1.1 * rated)), TORQUE: ((0.0, -150.0), (0.011, -400.0)),
+    }  # fmt: skip
+    pair.write(folder / "tables.fmu", kind="model-exchange", tables=pair_of_tables, inputs=())
+    assert not [v for v in fmpy.read_model_description(folder / "tables.fmu").modelVariables if v.causality == "input"]
+    ours = pair.simulate(tables=pair_of_tables)
+    assert missed(run(folder / "tables.fmu"), ours) < 1e-4
+    assert missed(run(folder / "tables.fmu", start_values={"pair.mesh.backlash": 1e-4}), ours) < 1e-4
+
+
+def test_what_is_asked_early_does_not_stay(cs, make):
+    instance = make(cs)
+    assert instance["pair.output.u"] != 0  # in the equilibrium that was found for it
+    instance.fmu.setupExperiment(startTime=0.25)
+    assert instance["time"] == 0.25
+    instance.fmu.enterInitializationMode()
+    instance.fmu.exitInitializationMode()
+    instance.fmu.doStep(0.25, STEP)
+    assert instance["time"] == 0.25 + STEP
+
+
 def test_rates_are_those_of_the_equations(me, pair, make):
     instance = make(me).initialise()
     rhs, rng = Kernel(pair.library.functions["rhs"]), np.random.default_rng(0)

@@ -94,10 +94,7 @@ fmi2Status fmi2SetupExperiment(
     fmi2Real stop) {
   NEEDS(MODE(FMU_MADE));
   (void)has_stop, (void)stop;
-  if (start - start != 0) return answer(c, fmu_refuse(c->model, "the start time %g is not finite", start));
-  fmu_set_tolerance(c->model, has_tolerance ? tolerance : 0.0);
-  c->model->time = start;
-  return fmi2OK;
+  return answer(c, fmu_begin(c->model, start, has_tolerance ? tolerance : 0.0));
 }
 
 fmi2Status fmi2EnterInitializationMode(fmi2Component component) {

@@ -93,9 +93,7 @@ fmi3Status fmi3EnterInitializationMode(
     fmi3Float64 stop) {
   NEEDS(MODE(FMU_MADE));
   (void)has_stop, (void)stop;
-  if (!isfinite(start)) return answer(c, fmu_refuse(c->model, "the start time %g is not finite", start));
-  fmu_set_tolerance(c->model, has_tolerance ? tolerance : 0.0);
-  c->model->time = start;
+  if (fmu_begin(c->model, start, has_tolerance ? tolerance : 0.0)) return error(c);
   c->model->mode = FMU_INITIALIZING;
   return fmi3OK;
 }

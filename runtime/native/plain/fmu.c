@@ -82,7 +82,13 @@ void fmu_reset(fmu *f) {
   for (size_t i = 0; i < fmu_count(FMU_INPUT); ++i) f->u[i] = fmu_scene.input_start[i];
 }
 
-void fmu_set_tolerance(fmu *f, double rtol) { f->rtol = rtol >= 1e-13 && rtol <= 0.1 ? rtol : DEFAULT_RTOL; }
+int fmu_begin(fmu *f, double time, double rtol) {
+  if (!isfinite(time)) return fmu_refuse(f, "the start time %g is not finite", time);
+  forget(f);
+  f->time = time;
+  f->rtol = rtol >= 1e-13 && rtol <= 0.1 ? rtol : DEFAULT_RTOL;
+  return 0;
+}
 
 void fmu_move(fmu *f) { f->known = 0; }
 

@@ -52,11 +52,11 @@ typedef struct {
 fmu *fmu_make(int exchange);                   /* NULL: no memory */
 void fmu_free(fmu *f);
 void fmu_reset(fmu *f);                        /* back to what was made */
-void fmu_set_tolerance(fmu *f, double rtol);   /* outside 1e-13..0.1 the default stays */
 void fmu_move(fmu *f);                         /* time or states have changed: nothing is known any more */
 
 /* These return 0, or 1 with a message. */
 int fmu_refuse(fmu *f, const char *form, ...);
+int fmu_begin(fmu *f, double time, double rtol); /* set the start; rtol outside 1e-13..0.1: the default */
 int fmu_get(fmu *f, const unsigned *reference, size_t count, double *value);
 int fmu_set(fmu *f, const unsigned *reference, size_t count, const double *value);
 int fmu_start(fmu *f);                         /* find the equilibrium, where that has not been done */
