@@ -2,12 +2,13 @@
 
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from ltcgear.generated import store
 from ltcgear.runtime.cli.command_page import write_commands
-from ltcgear.runtime.library import build
+from ltcgear.runtime.library import Library
 from ltcgear.runtime.plain.data import Run, write_data
 from ltcgear.runtime.plain.kit import write_kit
 from ltcgear.symbolic.build import build_model
@@ -34,7 +35,9 @@ def texts(scene: str) -> dict[str, str]:
     artifact = generate(model)
     files = store.files(artifact)
     run = Run(model.values(), model.tables, settings.simulation.t_end, settings.simulation.rate)
-    data = write_data(build(artifact), settings.name, run)
+    # CasADi's virtual machine rather than a compiler's code for this processor.
+    bare = Library(artifact.manifest, None, {}, artifact)
+    data = write_data(replace(bare, functions=bare.graphs), settings.name, run)
     return {name: files[name] for name in ("model.c", "manifest.json")} | {"data.c": data}
 
 

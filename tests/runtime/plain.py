@@ -15,7 +15,7 @@ from .models import Case
 
 UNUSED = ("-Wno-unused-parameter",)  # CasADi's functions have arguments that they do not use
 STRICT = ("-std=c11", "-Wall", "-Wextra", "-Werror")
-SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+SANITIZERS = ("-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-pthread")
 TAKER = ctypes.CFUNCTYPE(
     ctypes.c_int, ctypes.c_void_p, ctypes.c_double, ctypes.POINTER(ctypes.c_double), ctypes.POINTER(ctypes.c_double)
 )
@@ -38,11 +38,19 @@ def compiled(folder: Path, name: str, *flags: str, main: str | None = "main.c", 
     objects = []
     for source in filter(None, ("model.c", "data.c", kit, main)):
         objects.append(folder / f"{store.digest(flags)[:8]}-{source}.o")
-        level = ("-O0", *UNUSED) if source == "model.c" else ("-O1" if "-g" in flags else "-O2",)
+        level = ("-O0", *UNUSED) if source == "model.c" else ("-O1",)
         if not objects[-1].exists():
             call(compiler.path, *STRICT, *level, *flags, "-c", folder / source, "-o", objects[-1])
     call(compiler.path, *flags, *objects, "-o", folder / name, "-lm")
     return folder / name
+
+
+def can_sanitize(folder: Path) -> bool:
+    """Tell whether the compiler comes with its sanitizers."""
+    compiler, source = store.compiler(), folder / "nothing.c"
+    source.write_text("int main(void) { return 0; }\n", "utf-8")
+    command = [compiler.path if compiler else "cc", *SANITIZERS, str(source), "-o", str(folder / "nothing")]
+    return compiler is not None and subprocess.run(command, capture_output=True, check=False).returncode == 0
 
 
 def call(*command: str | Path) -> None:
