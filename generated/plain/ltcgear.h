@@ -149,8 +149,8 @@ double ltcgear_next_knot(const ltcgear_run *run, double time);
 /* Let a table have a value and a slope [1/s] from now on, whatever the time, instead of its rows. */
 int ltcgear_impose(ltcgear_run *run, ltcgear_whole table, double value, double slope);
 
-/* How often tooth pairs have come or gone (0), or contacts and friction forces have changed sides (1), so far. */
-ltcgear_whole ltcgear_count(const ltcgear_run *run, int which);
+/* How often contacts have opened or closed, and friction forces have turned, so far; ltcgear_switchings() counts meshes. */
+ltcgear_whole ltcgear_regimes(const ltcgear_run *run);
 
 /* Say what a status means. */
 const char *ltcgear_reason(int status);

@@ -10,9 +10,11 @@ from typing import Any
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.store import digest
 
+from ..guard import MOST_STEPS, REACH
 from ..library import Library
 from ..plain.data import Run
 from ..results import check_target, written_whole
+from ..scaling import fastest
 from ..signals import Pairs
 from .binary import compile_fmu, platform_of, require_compiler
 from .description import Head, describe, describe_build
@@ -82,6 +84,8 @@ def write_fmu(
     _check_tables(library, known, inputs)
     run = Run(values, known, t_end, rate)
     interface = Interface(library, run, inputs, exchange)
+    if not exchange:
+        _check_effort(library, interface, t_end)
     sources = write_sources(library, name, run, interface)
     head = Head(
         name, title, identify(name), "", f"ltcgear {version('ltcgear')}", t_end, RTOL, 1 / rate,
@@ -113,6 +117,18 @@ def _check_tables(library: Library, tables: Mapping[str, Pairs], inputs: Sequenc
         raise LtcgearError(f"tables: {', '.join(missing)} missing; give the model's tables (model.tables)")
     if unknown := sorted(set(inputs) - used):
         raise LtcgearError(f"inputs: the model has no table {', '.join(unknown)}; it has {', '.join(used) or 'none'}")
+
+
+def _check_effort(library: Library, interface: Interface, t_end: float) -> None:
+    """Refuse a model whose fastest motion takes too many steps from the explicit method inside."""
+    speed = fastest(library, interface.at, interface.p)
+    steps = t_end * speed / REACH
+    if steps > MOST_STEPS:
+        raise LtcgearError(
+            f"co-simulation integrates by an explicit method, which needs about {steps:.0e} steps for {t_end:g} s: "
+            f"the fastest motion swings at {speed:.1e} rad/s; write --kind model-exchange, or give the lightest member "
+            "more inertia or softer springs"
+        )
 
 
 def check_kind(kind: str) -> bool:

@@ -93,8 +93,8 @@ class Interface:
     def __init__(self, library: Library, run: Run, inputs: Sequence[str], exchange: bool) -> None:
         self.manifest, self.exchange = library.manifest, exchange
         self.p = library.parameters(run.values)
-        at = find_equilibrium(library, self.p, tables=run.tables)
-        self.nominal = [float(size) for size in vibration_scale(library, at, self.p)]
+        self.at = find_equilibrium(library, self.p, tables=run.tables)
+        self.nominal = [float(size) for size in vibration_scale(library, self.at, self.p)]
         self.fixed = fixed_parameters(library.manifest)
         self.lowest = [_lowest(name, unit) for name, unit in self.manifest.parameters]
         self.inputs = list(_inputs(self.manifest, run, inputs, exchange))

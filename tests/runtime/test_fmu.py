@@ -565,6 +565,7 @@ def test_the_command(data, refused, folder, pair, monkeypatch):
     assert "name it" in refused("export-fmu", scene, "-o", folder / "a.zip")
     assert "does not exist" in refused("export-fmu", scene, "-o", folder / "none" / "a.fmu")
     assert "co-simulation, model-exchange" in refused("export-fmu", scene, "-o", folder / "a.fmu", "--kind", "both")
+    assert "--kind model-exchange" in refused("export-fmu", "hard-tiny-inertia", "-o", folder / "a.fmu")
     shutil.copy(scene, folder / "itself.fmu")
     assert "is the file that is read" in refused("export-fmu", folder / "itself.fmu", "-o", folder / "itself.fmu")
     assert "is a folder" in refused("export-fmu", scene, "-o", make_folder(folder / "b.fmu"))

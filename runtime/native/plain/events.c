@@ -3,6 +3,7 @@
  * which nothing else is felt than rounding: so what has just changed does not change back. */
 
 #define ROUNDS 10 /* after a change, how often contacts are looked at again: one may open or close another */
+#define SAME (64 * DBL_EPSILON) /* over the time: how far two times may differ by rounding */
 
 /* The margin of a contact's border, and of a phase's [cycles]. */
 static double margin(const march *m, whole g) { return larger(m->slack[g], DBL_MIN); }
@@ -28,12 +29,19 @@ static void find_now(march *m) {
   call(&m->phases, m->x, m->s, m->p);
 }
 
+/* Return a time, or the row of a table just ahead of it: a caller's clock may miss it by rounding. */
+static double pass_knots(const ltcgear_run *run, double time) {
+  double knot;
+  while ((knot = knot_after(run, time)) <= time + SAME * fabs(time)) time = knot;
+  return time;
+}
+
 /* Begin a leg, on which all loads are linear in time. */
 static void begin_at(ltcgear_run *run, double time) {
   march *m = &run->m;
-  m->base = time, m->knot = knot_after(run, time);
-  signals_at(run, time, 1, m->signals);
-  signal_rates(run, time, m->slope);
+  m->base = pass_knots(run, time), m->knot = knot_after(run, m->base);
+  signals_at(run, m->base, 1, m->signals);
+  signal_rates(run, m->base, m->slope);
   for (whole i = 0; i < m->n_signals; ++i) {
     const course *imposed = run->courses + run->model->signal_table[i];
     if (imposed->rows >= 0) continue;
@@ -120,7 +128,7 @@ int ltcgear_update(ltcgear_run *run, double time, const double *x, int *changed)
   return DONE;
 }
 
-double ltcgear_next_knot(const ltcgear_run *run, double time) { return knot_after(run, time); }
+double ltcgear_next_knot(const ltcgear_run *run, double time) { return knot_after(run, pass_knots(run, time)); }
 
 int ltcgear_impose(ltcgear_run *run, ltcgear_whole which, double value, double slope) {
   if (which < 0 || which >= run->model->n_tables) return NO_SUCH;
@@ -136,4 +144,4 @@ int ltcgear_impose(ltcgear_run *run, ltcgear_whole which, double value, double s
   return DONE;
 }
 
-ltcgear_whole ltcgear_count(const ltcgear_run *run, int which) { return which ? run->m.regimes : run->m.events; }
+ltcgear_whole ltcgear_regimes(const ltcgear_run *run) { return run->m.regimes; }

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #define DEFAULT_RTOL 1e-6
+#define MOST_STEPS 1e9 /* of the integrator, in one communication step: more than an hour */
 #define SAME_TIME 1e-9 /* [s], and over the time: by how much an importer's clock may differ from ours */
 
 /* A kept state: this, then what an instance keeps itself, then its run. */
@@ -164,7 +165,7 @@ static int get_one(fmu *f, unsigned reference, double *value) {
     case FMU_ANGLE: return get_angle(f, i, value);
     case FMU_COUNT:
       if (fmu_start(f)) return 1;
-      return *value = (double)ltcgear_count(f->run, (int)i), 0;
+      return *value = (double)(i ? ltcgear_regimes(f->run) : ltcgear_switchings(f->run)), 0;
     case FMU_STATE: return fmu_find(f, kind) || (*value = f->x[i], 0);
     case FMU_RATE: return fmu_find(f, kind) || (*value = f->xdot[i], 0);
     case FMU_OUTPUT: return fmu_find(f, kind) || (*value = f->y[i], 0);
@@ -233,7 +234,10 @@ int fmu_step(fmu *f, double from, double step) {
   if (fabs(from - f->time) > SAME_TIME * (1 + fabs(f->time)))
     return fmu_refuse(f, "a communication step from %.17g s on: the instance is at %.17g s", from, f->time);
   double until = from + step;
-  if (fmu_start(f) || steer(f, until)) return 1;
+  if (fmu_start(f)) return 1;
+  double needed = ltcgear_expected_steps(f->run, step);
+  if (needed > MOST_STEPS) return fmu_refuse(f, "a step of %g s would take %.0e of the integrator's", step, needed);
+  if (steer(f, until)) return 1;
   int status = ltcgear_advance(f->run, until);
   f->time = ltcgear_time(f->run);
   f->known = 0;
