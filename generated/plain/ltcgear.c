@@ -1828,7 +1828,7 @@ static void set_cells(march *m) {
   const whole count = m->n_levels;
   find_phases(m, m->zeros, m->signals, m->now);
   for (whole i = 0; i < count; ++i)
-    m->cells[i] = m->last_turn[i] = cell_of(m->now[i], m->now[count + i], m->now[2 * count + i]);
+    m->cells[i] = m->last_turn[i] = m->arc_cells[i] = cell_of(m->now[i], m->now[count + i], m->now[2 * count + i]);
 }
 
 /* Find equilibrium and scale, in room that is freed again. */
@@ -1920,6 +1920,14 @@ static int hand_on(ltcgear_run *run, const taker *t) {
   return DONE;
 }
 
+/* Where a switching has ended an arc just before a time, by no more than samples are taken late, the arc has ended there;
+ * what is missing is made up for with the next one. */
+static void meet(march *m, double until) {
+  double missing = until - m->time;
+  if (!(missing > 0) || missing > 1e-12 * m->reached) return;
+  m->time = until, m->unpassed -= missing;
+}
+
 /* March to a time. A segment holds no more samples than there is room for. */
 static int go_on(ltcgear_run *run, double until, const taker *t) {
   march *m = &run->m;
@@ -1931,8 +1939,9 @@ static int go_on(ltcgear_run *run, double until, const taker *t) {
   m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
   while (m->time < until) {
     begin_leg(run, until);
-    int fault = ltcgear_march(m, LLONG_MAX, INFINITY), taken = t ? hand_on(run, t) : DONE;
+    int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t) : DONE;
     if (fault || taken) return fault ? fault : taken;
+    meet(m, until);
   }
   return DONE;
 }
@@ -1968,7 +1977,7 @@ int ltcgear_read(ltcgear_run *run, double *y) {
   march *m = &run->m;
   if (!run->started) return NOT_STARTED;
   place(m, m->z);
-  for (whole i = 0; i < m->n_levels; ++i) m->gain[i] = (double)(m->cells[i] & 1);
+  for (whole i = 0; i < m->n_levels; ++i) m->gain[i] = (double)(m->arc_cells[i] & 1);
   return read_outputs(run, m->time, m->x, m->gain, y);
 }
 
@@ -2012,6 +2021,7 @@ static void pass_run(ltcgear_run *run, passage *all) {
   pass_reals(all, m->heading, meshes), pass_reals(all, m->lowest, m->n_forces);
   pass_reals(all, m->error, n * holds), pass_reals(all, m->slack, holds);
   pass_wholes(all, m->cells, meshes), pass_wholes(all, m->last_turn, meshes);
+  pass_wholes(all, m->arc_cells, meshes);
   pass_wholes(all, run->rest, model->n_clocks), pass_wholes(all, run->cycles, model->n_clocks);
   pass(all, m->sides, (size_t)holds), pass(all, run->courses, (size_t)model->n_tables * sizeof *run->courses);
 }

@@ -105,7 +105,8 @@ int ltcgear_advance(ltcgear_run *run, double until);
 typedef int (*ltcgear_taker)(void *to, double time, const double *x, const double *y);
 int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker take, void *to);
 
-/* Time [s], states, and outputs of the present; whole turns of angles and cycles of mesh phases included. */
+/* Time [s], states, and outputs of the present; whole turns of angles and cycles of mesh phases included. Where a mesh
+ * switches just now, outputs are those before it. */
 double ltcgear_time(const ltcgear_run *run);
 void ltcgear_state(const ltcgear_run *run, double *x);
 int ltcgear_read(ltcgear_run *run, double *y);

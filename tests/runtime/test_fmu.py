@@ -210,6 +210,14 @@ def test_a_torque_that_steps(cs, pair, make):
     assert instance["loads.brake.torque"] == -300.0
 
 
+def test_a_step_that_ends_on_a_jump(cs, pair, make):
+    speed = 1500 / 60 * 2 * np.pi  # the phase is 12.4 at sample 320, where single contact ends
+    forces = make(cs).initialise(**{"loads.motor.speed": speed}).step(0, SAMPLES)
+    ours = pair.simulate(tables={SPEED: ((0.0, speed), (1.0, speed))}).dataset
+    assert ours["mesh_phase"].values[320] == pytest.approx(12.4, abs=1e-12)
+    assert np.abs(forces - ours["mesh_force"].values[1:]).max() < 1e-6 * forces[:, 0].mean()
+
+
 def test_a_speed_is_reached_at_the_end_of_a_step(cs, pair, make):
     instance, rated = make(cs).initialise(), pair.tables[SPEED][0][1]
     speed = np.interp(np.arange(1, SAMPLES + 1) * STEP, [0.004, 0.012], [rated, 1.2 * rated])

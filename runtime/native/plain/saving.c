@@ -33,6 +33,7 @@ static void pass_run(ltcgear_run *run, passage *all) {
   pass_reals(all, m->heading, meshes), pass_reals(all, m->lowest, m->n_forces);
   pass_reals(all, m->error, n * holds), pass_reals(all, m->slack, holds);
   pass_wholes(all, m->cells, meshes), pass_wholes(all, m->last_turn, meshes);
+  pass_wholes(all, m->arc_cells, meshes);
   pass_wholes(all, run->rest, model->n_clocks), pass_wholes(all, run->cycles, model->n_clocks);
   pass(all, m->sides, (size_t)holds), pass(all, run->courses, (size_t)model->n_tables * sizeof *run->courses);
 }
