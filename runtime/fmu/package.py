@@ -86,21 +86,8 @@ def write_fmu(
     interface = Interface(library, run, inputs, exchange)
     if not exchange:
         _check_effort(library, interface, t_end)
-    sources = write_sources(library, name, run, interface)
-    head = Head(
-        name, title, identify(name), "", f"ltcgear {version('ltcgear')}", t_end, RTOL, 1 / rate,
-        (*(file for file in sources if file.endswith(".c")), "variables.c"),
-    )  # fmt: skip
-    token = digest([*sources, *sources.values(), describe(head, interface), write_variables(interface, "")])[:32]
-    sources["variables.c"] = write_variables(interface, token)
-    head = replace(head, token=token)
-    files = {
-        "modelDescription.xml": describe(head, interface).encode(),
-        f"binaries/{system}/{head.identifier}.so": compile_fmu(sources, exchange),
-        **{f"sources/{file}": text.encode() for file, text in sources.items()},
-    }
-    if exchange:
-        files["sources/buildDescription.xml"] = describe_build(head).encode()
+    head = Head(name, title, identify(name), "", f"ltcgear {version('ltcgear')}", t_end, RTOL, 1 / rate, ())
+    token, files = _write_files(library, run, interface, head, system)
     _pack(path, files)
     counts = {kind: len(interface.of(kind)) for kind in ("parameter", "input", "output", "state", "indicator")}
     counts["output"] += len(interface.of("angle", "count"))
@@ -108,6 +95,24 @@ def write_fmu(
         "file": str(path), "kind": kind, "fmi": VERSIONS[kind], "token": token, "variables": counts,
         "inputs": [variable.name for variable in interface.of("input")],
     }  # fmt: skip
+
+
+def _write_files(
+    library: Library, run: Run, interface: Interface, head: Head, system: str
+) -> tuple[str, dict[str, bytes]]:
+    """Return the token, which follows from all texts, and path -> content of what is in the archive."""
+    sources = write_sources(library, head.name, run, interface)
+    head = replace(head, sources=(*(file for file in sources if file.endswith(".c")), "variables.c"))
+    token = digest([*sources, *sources.values(), describe(head, interface), write_variables(interface, "")])[:32]
+    head, sources["variables.c"] = replace(head, token=token), write_variables(interface, token)
+    files = {
+        "modelDescription.xml": describe(head, interface).encode(),
+        f"binaries/{system}/{head.identifier}.so": compile_fmu(sources, interface.exchange),
+        **{f"sources/{file}": text.encode() for file, text in sources.items()},
+    }
+    if interface.exchange:
+        files["sources/buildDescription.xml"] = describe_build(head).encode()
+    return token, files
 
 
 def _check_tables(library: Library, tables: Mapping[str, Pairs], inputs: Sequence[str]) -> None:
