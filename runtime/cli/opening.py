@@ -33,8 +33,8 @@ class Opened:
     artifact: Artifact
     key: str
     about: dict[str, Any]
-    inputs: tuple[str, ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
+    inputs: tuple[str, ...] = ()
 
 
 def split_changes(pairs: list[str] | None) -> dict[str, str]:
@@ -69,7 +69,7 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False,
         print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
     about = describe_scene(scene, read_scene_text(name), replaced)
     artifact = obtain(model, lambda stage, taken: seconds.update({stage: taken}), fresh)
-    return Opened(scene, model, artifact, content_key(model), about, inputs, seconds)
+    return Opened(scene, model, artifact, content_key(model), about, seconds, inputs)
 
 
 def compile_model(opened: Opened) -> "Library":
