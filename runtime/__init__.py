@@ -20,6 +20,7 @@ _HOME = {
     "simulate": "simulation",
     "simulate_many": "ensemble",
     "sweep": "sweeping.run",
+    "write_fmu": "fmu.package",
     "write_report": "report.page",
 }
 __all__ = list(_HOME)

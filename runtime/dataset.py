@@ -83,12 +83,12 @@ def _parameters(library: Library, p: Vector, coordinates: dict[str, Any]) -> dic
     coordinates["parameter_unit"] = ("parameter", [unit or "1" for _, unit in parameters])
     data: dict[str, Any] = {"parameter_value": ("parameter", p.copy(), {"long_name": LONG_NAMES["parameter_value"]})}
     if "rotor" in coordinates:
-        ratios = [_speed_ratio(library, number, rotor) for rotor in coordinates["rotor"]]
+        ratios = [speed_ratio(library, number, rotor) for rotor in coordinates["rotor"]]
         data["speed_ratio"] = ("rotor", ratios, {"units": "1", "long_name": LONG_NAMES["speed_ratio"]})
     return data
 
 
-def _speed_ratio(library: Library, number: dict[str, float], rotor: str) -> float:
+def speed_ratio(library: Library, number: dict[str, float], rotor: str) -> float:
     """Return a rotor's speed over the reference's; planets of a stage share one, the reference itself needs none."""
     if any(state.name == "reference.speed" and state.body == rotor for state in library.manifest.states):
         return 1.0

@@ -236,6 +236,13 @@ def generated(data: Data) -> None:
     print("seconds: " + _seconds(data["seconds"]))
 
 
+def exported_fmu(data: Data) -> None:
+    """Print what an FMU has."""
+    print(f"{data['file']}: FMI {data['fmi']} {data['kind']}, token {data['token']}")
+    print("variables: " + ", ".join(f"{count} {kind}s" for kind, count in data["variables"].items()))
+    print("inputs: " + (", ".join(data["inputs"]) or "none"))
+
+
 def _seconds(seconds: dict[str, float]) -> str:
     """Write stage times on one line."""
     return ", ".join(f"{name} {taken:.2f}" for name, taken in seconds.items())

@@ -17,6 +17,7 @@ _HOME = {
     "build_model": "build",
     "derive": "equations",
     "generate": "pipeline",
+    "steer_loads": "steering",
     "check_model": "checks.run",
     "check_paper": "checks.paper",
 }

@@ -105,7 +105,8 @@ int ltcgear_advance(ltcgear_run *run, double until);
 typedef int (*ltcgear_taker)(void *to, double time, const double *x, const double *y);
 int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker take, void *to);
 
-/* Time [s], states, and outputs of the present; whole turns of angles and cycles of mesh phases included. */
+/* Time [s], states, and outputs of the present; whole turns of angles and cycles of mesh phases included. Where a mesh
+ * switches just now, outputs are those before it. */
 double ltcgear_time(const ltcgear_run *run);
 void ltcgear_state(const ltcgear_run *run, double *x);
 int ltcgear_read(ltcgear_run *run, double *y);
@@ -123,6 +124,34 @@ double ltcgear_expected_steps(const ltcgear_run *run, double seconds);
 size_t ltcgear_size(const ltcgear_run *run);
 void ltcgear_save(const ltcgear_run *run, void *to);
 int ltcgear_restore(ltcgear_run *run, const void *from);
+
+/* For integrators of other people. Which tooth pairs carry and which contacts are closed is held until ltcgear_update,
+ * so what is integrated between two events is smooth. A run is started and updated first; from then on time and states
+ * are the caller's, angles with all their turns.
+ *
+ * The rates of the states, and all outputs. */
+int ltcgear_rates(ltcgear_run *run, double time, const double *x, double *xdot);
+int ltcgear_outputs(ltcgear_run *run, double time, const double *x, double *y);
+
+/* Event indicators, positive as long as what is held is right: two for each switched mesh (how far its phase is from
+ * where the next tooth pair comes or goes ahead of it, and from that behind it [cycles]), then one for each contact. They
+ * pass through zero a little beyond the border itself, and what is held after an update begins at twice that, so that
+ * nothing chatters. */
+ltcgear_whole ltcgear_indicator_count(const ltcgear_run *run);
+int ltcgear_indicators(ltcgear_run *run, double time, const double *x, double *z);
+
+/* After an indicator has passed through zero, and at a time event: go over to what is right at these states. States do
+ * not jump. ``changed``, where it is wanted: 1 if anything was held that no longer is. */
+int ltcgear_update(ltcgear_run *run, double time, const double *x, int *changed);
+
+/* The next time event after a time [s], a row of a table; infinite if there is none. */
+double ltcgear_next_knot(const ltcgear_run *run, double time);
+
+/* Let a table have a value and a slope [1/s] from now on, whatever the time, instead of its rows. */
+int ltcgear_impose(ltcgear_run *run, ltcgear_whole table, double value, double slope);
+
+/* How often contacts have opened or closed, and friction forces have turned, so far; ltcgear_switchings() counts meshes. */
+ltcgear_whole ltcgear_regimes(const ltcgear_run *run);
 
 /* Say what a status means. */
 const char *ltcgear_reason(int status);

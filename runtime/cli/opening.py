@@ -23,7 +23,10 @@ if TYPE_CHECKING:
 
 @dataclass
 class Opened:
-    """A scene on its way through the house, with what a result keeps of it and the seconds each stage took."""
+    """A scene on its way through the house, with what a result keeps of it and the seconds each stage took.
+
+    ``inputs`` are the tables that others lead.
+    """
 
     scene: "Scene"
     model: "Model"
@@ -31,6 +34,7 @@ class Opened:
     key: str
     about: dict[str, Any]
     seconds: dict[str, float] = field(default_factory=dict)
+    inputs: tuple[str, ...] = ()
 
 
 def split_changes(pairs: list[str] | None) -> dict[str, str]:
@@ -42,27 +46,30 @@ def split_changes(pairs: list[str] | None) -> dict[str, str]:
     return {key: value for key, _, value in split}
 
 
-def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False) -> Opened:
+def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False, steered: bool = False) -> Opened:
     """Take a scene through all stages up to generated C; what the store holds is not derived again.
 
-    scene -> Model -> (derive -> check -> emit, or the store) -> Artifact
+    scene -> Model -> (derive -> check -> emit, or the store) -> Artifact; ``steered`` turns its constant loads into
+    tables, which are its inputs.
     """
     from ltcgear.symbolic.advice import warnings
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import content_key, obtain
     from ltcgear.symbolic.report import load_warnings
     from ltcgear.symbolic.scene import describe_scene, load_scene, read_scene_text
+    from ltcgear.symbolic.steering import steer_loads
 
     clock = perf_counter()
     replaced = split_changes(changes)
     scene = load_scene(name, replaced)
-    model = build_model(scene)
+    led, inputs = steer_loads(scene) if steered else (scene, ())
+    model = build_model(led)
     seconds = {"load": perf_counter() - clock}
     for line in [*warnings(scene, model), *load_warnings(scene)]:
         print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
     about = describe_scene(scene, read_scene_text(name), replaced)
     artifact = obtain(model, lambda stage, taken: seconds.update({stage: taken}), fresh)
-    return Opened(scene, model, artifact, content_key(model), about, seconds)
+    return Opened(scene, model, artifact, content_key(model), about, seconds, inputs)
 
 
 def compile_model(opened: Opened) -> "Library":

@@ -10,6 +10,7 @@ from ..native import FAULTS, FIELDS, SOURCES, source
 
 PARTS = (
     "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "advance.c", "saving.c",
+    "events.c",
 )  # fmt: skip
 """What follows the march in ltcgear.c."""
 UNUSED = ("rows.c", "adjoint.c")

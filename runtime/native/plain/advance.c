@@ -48,6 +48,14 @@ static int hand_on(ltcgear_run *run, const taker *t) {
   return DONE;
 }
 
+/* Where a switching has ended an arc just before a time, by no more than samples are taken late, the arc has ended there;
+ * what is missing is made up for with the next one. */
+static void meet(march *m, double until) {
+  double missing = until - m->time;
+  if (!(missing > 0) || missing > 1e-12 * m->reached) return;
+  m->time = until, m->unpassed -= missing;
+}
+
 /* March to a time. A segment holds no more samples than there is room for. */
 static int go_on(ltcgear_run *run, double until, const taker *t) {
   march *m = &run->m;
@@ -59,8 +67,9 @@ static int go_on(ltcgear_run *run, double until, const taker *t) {
   m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
   while (m->time < until) {
     begin_leg(run, until);
-    int fault = ltcgear_march(m, LLONG_MAX, INFINITY), taken = t ? hand_on(run, t) : DONE;
+    int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t) : DONE;
     if (fault || taken) return fault ? fault : taken;
+    meet(m, until);
   }
   return DONE;
 }
@@ -96,7 +105,7 @@ int ltcgear_read(ltcgear_run *run, double *y) {
   march *m = &run->m;
   if (!run->started) return NOT_STARTED;
   place(m, m->z);
-  for (whole i = 0; i < m->n_levels; ++i) m->gain[i] = (double)(m->cells[i] & 1);
+  for (whole i = 0; i < m->n_levels; ++i) m->gain[i] = (double)(m->arc_cells[i] & 1);
   return read_outputs(run, m->time, m->x, m->gain, y);
 }
 

@@ -24,14 +24,16 @@ static void pass_run(ltcgear_run *run, passage *all) {
   march *m = &run->m;
   const whole n = m->n, meshes = m->n_levels, holds = m->n_holds;
   KEPT_NUMBERS(PASS)
-  PASS(rtol) PASS(unresolved) PASS(held_speed) PASS(shortest)
+  PASS(base) PASS(rtol) PASS(unresolved) PASS(held_speed) PASS(shortest)
   pass(all, &run->turns, sizeof run->turns), pass(all, &run->started, sizeof run->started);
   pass(all, &run->quickest, sizeof run->quickest);
   pass_reals(all, m->z, n), pass_reals(all, m->origin, n), pass_reals(all, m->scale, n);
   pass_reals(all, m->p, model->n_parameters), pass_reals(all, run->parameters, model->n_parameters);
+  pass_reals(all, m->signals, m->n_signals), pass_reals(all, m->slope, m->n_signals);
   pass_reals(all, m->heading, meshes), pass_reals(all, m->lowest, m->n_forces);
   pass_reals(all, m->error, n * holds), pass_reals(all, m->slack, holds);
   pass_wholes(all, m->cells, meshes), pass_wholes(all, m->last_turn, meshes);
+  pass_wholes(all, m->arc_cells, meshes);
   pass_wholes(all, run->rest, model->n_clocks), pass_wholes(all, run->cycles, model->n_clocks);
   pass(all, m->sides, (size_t)holds), pass(all, run->courses, (size_t)model->n_tables * sizeof *run->courses);
 }

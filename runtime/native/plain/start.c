@@ -34,7 +34,7 @@ static void set_cells(march *m) {
   const whole count = m->n_levels;
   find_phases(m, m->zeros, m->signals, m->now);
   for (whole i = 0; i < count; ++i)
-    m->cells[i] = m->last_turn[i] = cell_of(m->now[i], m->now[count + i], m->now[2 * count + i]);
+    m->cells[i] = m->last_turn[i] = m->arc_cells[i] = cell_of(m->now[i], m->now[count + i], m->now[2 * count + i]);
 }
 
 /* Find equilibrium and scale, in room that is freed again. */

@@ -1,0 +1,41 @@
+"""Command that writes a scene for other simulation programs: export-fmu."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from .. import present
+from ..options import AsJson, Changes, SceneName
+from .app import app
+from .opening import compile_model, open_scene
+
+FmuFile = Annotated[Path, typer.Option("-o", "--output", help="File to write, .fmu.")]
+Kind = Annotated[
+    str, typer.Option("--kind", help="co-simulation (FMI 2.0, integrator inside) or model-exchange (FMI 3.0).")
+]
+
+
+@app.command("export-fmu")
+def export_fmu(
+    scene: SceneName,
+    output: FmuFile,
+    kind: Kind = "co-simulation",
+    changes: Changes = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write a scene as an FMU. Loads that are one number become inputs."""
+    from ..fmu.binary import require_compiler
+    from ..fmu.package import check_fmu, check_kind, write_fmu
+
+    check_kind(kind)
+    check_fmu(output, Path(scene))
+    require_compiler()
+    opened = open_scene(scene, changes, steered=True)
+    simulation = opened.scene.simulation
+    written = write_fmu(
+        compile_model(opened), opened.model.values(), output, kind=kind, name=opened.scene.name,
+        title=opened.scene.title, tables=opened.model.tables, inputs=opened.inputs, t_end=simulation.t_end,
+        rate=simulation.rate,
+    )  # fmt: skip
+    present.show(as_json, written, present.exported_fmu)

@@ -1,0 +1,326 @@
+/* One instance of the model for importers of FMUs, see fmu.h. */
+#include "fmu.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DEFAULT_RTOL 1e-6
+#define MOST_STEPS 1e9 /* of the integrator, in one communication step: more than an hour */
+#define SAME_TIME 1e-9 /* [s], and over the time: by how much an importer's clock may differ from ours */
+
+/* A kept state: this, then what an instance keeps itself, then its run. */
+typedef struct {
+  char token[64];
+  size_t size;
+  int exchange, mode, started;
+  double time, rtol;
+} kept;
+
+static const ltcgear_model *const model = &ltcgear_scene;
+
+size_t fmu_count(int kind) { return fmu_scene.first[kind + 1] - fmu_scene.first[kind]; }
+
+int fmu_refuse(fmu *f, const char *form, ...) {
+  va_list rest;
+  va_start(rest, form);
+  vsnprintf(f->message, sizeof f->message, form, rest);
+  va_end(rest);
+  for (char *c = f->message; *c; ++c)
+    if (*c == '%') *c = '_'; /* FMI 2.0 takes messages for formats */
+  return 1;
+}
+
+/* Return whether a status of the model's is a fault, with a message that says what was tried. */
+static int failed(fmu *f, int status, const char *what) {
+  return status && fmu_refuse(f, "%s: %s", what, ltcgear_reason(status));
+}
+
+fmu *fmu_make(int exchange) {
+  const size_t n = (size_t)model->n_states, n_p = (size_t)model->n_parameters, n_y = (size_t)model->n_outputs;
+  const size_t n_u = fmu_count(FMU_INPUT), n_z = fmu_count(FMU_INDICATOR);
+  fmu *f = calloc(1, sizeof *f);
+  double *room = calloc(2 * n + n_p + n_y + 2 * n_u + n_z + 1, sizeof *room);
+  if (!f || !room) {
+    free(f);
+    free(room);
+    return NULL;
+  }
+  f->exchange = exchange;
+  f->p = room;
+  f->u = f->p + n_p;
+  f->met = f->u + n_u;
+  f->x = f->met + n_u;
+  f->xdot = f->x + n;
+  f->y = f->xdot + n;
+  f->z = f->y + n_y;
+  fmu_reset(f);
+  return f;
+}
+
+void fmu_free(fmu *f) {
+  if (!f) return;
+  if (f->run) ltcgear_destroy(f->run);
+  free(f->p);
+  free(f);
+}
+
+/* Forget the run, so that the next one begins from parameters and inputs. */
+static void forget(fmu *f) {
+  if (f->run) ltcgear_destroy(f->run);
+  f->run = NULL;
+  f->known = 0;
+}
+
+void fmu_reset(fmu *f) {
+  forget(f);
+  f->mode = FMU_MADE;
+  f->time = 0;
+  f->rtol = DEFAULT_RTOL;
+  memcpy(f->p, model->parameter_values, (size_t)model->n_parameters * sizeof *f->p);
+  for (size_t i = 0; i < fmu_count(FMU_INPUT); ++i) f->u[i] = fmu_scene.input_start[i];
+}
+
+int fmu_begin(fmu *f, double time, double rtol) {
+  if (!isfinite(time)) return fmu_refuse(f, "the start time %g is not finite", time);
+  forget(f);
+  f->time = time;
+  f->rtol = rtol >= 1e-13 && rtol <= 0.1 ? rtol : DEFAULT_RTOL;
+  return 0;
+}
+
+void fmu_move(fmu *f) { f->known = 0; }
+
+/* Let the run see the inputs: in model exchange as they are now, with the slopes that the importer tells. */
+static int impose(fmu *f) {
+  const size_t count = fmu_count(FMU_INPUT);
+  for (size_t i = 0; i < count; ++i) {
+    if (fmu_scene.input_slope[i]) continue;
+    double slope = i + 1 < count && fmu_scene.input_slope[i + 1] ? f->u[i + 1] : 0.0;
+    if (failed(f, ltcgear_impose(f->run, fmu_scene.input_table[i], f->u[i], slope), "the inputs")) return 1;
+  }
+  return 0;
+}
+
+int fmu_start(fmu *f) {
+  if (f->run) return 0;
+  f->run = ltcgear_create(model, f->rtol);
+  if (!f->run) return fmu_refuse(f, "there is no memory for a run");
+  int status = 0;
+  for (ltcgear_whole i = 0; i < model->n_parameters && !status; ++i)
+    if (f->p[i] != model->parameter_values[i]) status = ltcgear_set(f->run, i, f->p[i]);
+  for (size_t i = 0; i < fmu_count(FMU_INPUT) && !status; ++i)
+    if (!fmu_scene.input_slope[i])
+      status = ltcgear_steer(f->run, fmu_scene.input_table[i], f->u[i], f->u[i], f->time);
+  if (!status) status = ltcgear_start(f->run, f->time);
+  if (failed(f, status, "the loaded equilibrium") || (f->exchange && impose(f))) {
+    forget(f);
+    return 1;
+  }
+  memcpy(f->met, f->u, fmu_count(FMU_INPUT) * sizeof *f->u);
+  ltcgear_state(f->run, f->x);
+  return 0;
+}
+
+int fmu_find(fmu *f, int kind) {
+  int status = 0;
+  if (fmu_start(f)) return 1;
+  if (f->known >> kind & 1) return 0;
+  if (kind == FMU_STATE && !f->exchange) ltcgear_state(f->run, f->x);
+  if (kind == FMU_RATE) status = ltcgear_rates(f->run, f->time, f->x, f->xdot);
+  if (kind == FMU_INDICATOR) status = ltcgear_indicators(f->run, f->time, f->x, f->z);
+  if (kind == FMU_OUTPUT)
+    status = f->exchange ? ltcgear_outputs(f->run, f->time, f->x, f->y) : ltcgear_read(f->run, f->y);
+  if (failed(f, status, "the model")) return 1;
+  f->known |= 1 << kind;
+  return 0;
+}
+
+/* Return the kind of a value reference, and its number among its kind. */
+static int kind_of(unsigned reference, size_t *place) {
+  int kind = 0;
+  while (kind < FMU_KINDS && reference >= fmu_scene.first[kind + 1]) ++kind;
+  *place = kind < FMU_KINDS ? reference - fmu_scene.first[kind] : 0;
+  return kind;
+}
+
+static int get_angle(fmu *f, size_t place, double *value) {
+  if (fmu_find(f, FMU_OUTPUT) || fmu_find(f, FMU_STATE)) return 1;
+  double turned = fmu_scene.reference < 0 ? 0.0 : f->x[fmu_scene.reference];
+  *value = fmu_scene.angle_ratio[place] * turned + f->y[fmu_scene.angle_twist[place]];
+  return 0;
+}
+
+static int get_one(fmu *f, unsigned reference, double *value) {
+  size_t i;
+  int kind = kind_of(reference, &i);
+  switch (kind) {
+    case FMU_TIME: return *value = f->time, 0;
+    case FMU_PARAMETER:
+      if (model->parameter_fixed[i]) break;
+      return *value = f->p[i], 0;
+    case FMU_INPUT: return *value = f->u[i], 0;
+    case FMU_ANGLE: return get_angle(f, i, value);
+    case FMU_COUNT:
+      if (fmu_start(f)) return 1;
+      return *value = (double)(i ? ltcgear_regimes(f->run) : ltcgear_switchings(f->run)), 0;
+    case FMU_STATE: return fmu_find(f, kind) || (*value = f->x[i], 0);
+    case FMU_RATE: return fmu_find(f, kind) || (*value = f->xdot[i], 0);
+    case FMU_OUTPUT: return fmu_find(f, kind) || (*value = f->y[i], 0);
+    case FMU_INDICATOR: return fmu_find(f, kind) || (*value = f->z[i], 0);
+    default: break;
+  }
+  return fmu_refuse(f, "there is no variable with value reference %u", reference);
+}
+
+int fmu_get(fmu *f, const unsigned *reference, size_t count, double *value) {
+  for (size_t i = 0; i < count; ++i)
+    if (get_one(f, reference[i], value + i)) return 1;
+  return 0;
+}
+
+static int set_parameter(fmu *f, size_t i, double value) {
+  const char *name = model->parameters[i].name;
+  double lowest = fmu_scene.lowest[i];
+  if (f->mode != FMU_MADE && f->mode != FMU_INITIALIZING)
+    return fmu_refuse(f, "%s: a parameter is set before the initialization ends; reset the instance first", name);
+  if (value < lowest) return fmu_refuse(f, "%s = %g: must be at least %g", name, value, lowest);
+  if (value != f->p[i]) forget(f);
+  f->p[i] = value;
+  return 0;
+}
+
+static int set_input(fmu *f, size_t i, double value) {
+  f->u[i] = value;
+  if (f->mode == FMU_MADE || f->mode == FMU_INITIALIZING) return forget(f), 0;
+  f->known = f->exchange ? 0 : f->known;
+  return f->exchange && f->run && impose(f);
+}
+
+static int set_one(fmu *f, unsigned reference, double value) {
+  size_t i;
+  int kind = kind_of(reference, &i);
+  if (kind == FMU_KINDS || (kind == FMU_PARAMETER && model->parameter_fixed[i]))
+    return fmu_refuse(f, "there is no variable with value reference %u", reference);
+  if (kind != FMU_PARAMETER && kind != FMU_INPUT)
+    return fmu_refuse(f, "the variable with value reference %u is calculated and cannot be set", reference);
+  if (!isfinite(value)) return fmu_refuse(f, "value reference %u: %g is not finite", reference, value);
+  return kind == FMU_PARAMETER ? set_parameter(f, i, value) : set_input(f, i, value);
+}
+
+int fmu_set(fmu *f, const unsigned *reference, size_t count, const double *value) {
+  for (size_t i = 0; i < count; ++i)
+    if (set_one(f, reference[i], value[i])) return 1;
+  return 0;
+}
+
+/* Lead the inputs over a step: a torque jumps at its start, a speed runs to its new value. */
+static int steer(fmu *f, double until) {
+  for (size_t i = 0; i < fmu_count(FMU_INPUT); ++i) {
+    if (f->u[i] == f->met[i]) continue;
+    double from = fmu_scene.input_ramp[i] ? f->met[i] : f->u[i];
+    int status = ltcgear_steer(f->run, fmu_scene.input_table[i], from, f->u[i], until);
+    if (failed(f, status, "an input")) return 1;
+    f->met[i] = f->u[i];
+  }
+  return 0;
+}
+
+int fmu_step(fmu *f, double from, double step) {
+  if (!(step > 0) || !isfinite(step) || !isfinite(from))
+    return fmu_refuse(f, "a communication step of %g s from %g s on: steps go forward", step, from);
+  if (fabs(from - f->time) > SAME_TIME * (1 + fabs(f->time)))
+    return fmu_refuse(f, "a communication step from %.17g s on: the instance is at %.17g s", from, f->time);
+  double until = from + step;
+  if (fmu_start(f)) return 1;
+  double needed = ltcgear_expected_steps(f->run, step);
+  if (needed > MOST_STEPS) return fmu_refuse(f, "a step of %g s would take %.0e of the integrator's", step, needed);
+  if (steer(f, until)) return 1;
+  int status = ltcgear_advance(f->run, until);
+  f->time = ltcgear_time(f->run);
+  f->known = 0;
+  if (status) return fmu_refuse(f, "the integration stopped at %.9g s: %s", f->time, ltcgear_reason(status));
+  return 0;
+}
+
+int fmu_update(fmu *f, double *next) {
+  int changed;
+  if (fmu_start(f)) return 1;
+  if (failed(f, ltcgear_update(f->run, f->time, f->x, &changed), "an event")) return 1;
+  *next = ltcgear_next_knot(f->run, f->time);
+  f->known = 0;
+  return 0;
+}
+
+/* Bytes of what an instance keeps itself: parameters, inputs as they are and as they were met, states. */
+static size_t own_size(void) {
+  size_t n = (size_t)(model->n_parameters + model->n_states) + 2 * fmu_count(FMU_INPUT);
+  return n * sizeof(double);
+}
+
+int fmu_keep(fmu *f, void **state) {
+  size_t size = sizeof(kept) + own_size() + (f->run ? ltcgear_size(f->run) : 0);
+  if (!*state || fmu_kept_size(*state) != size) {
+    free(*state);
+    *state = calloc(1, size);
+  }
+  if (!*state) return fmu_refuse(f, "there is no memory for a state");
+  kept *head = *state;
+  strncpy(head->token, fmu_scene.token, sizeof head->token - 1);
+  head->size = size;
+  head->exchange = f->exchange, head->mode = f->mode, head->started = f->run != NULL;
+  head->time = f->time, head->rtol = f->rtol;
+  char *bytes = (char *)(head + 1);
+  memcpy(bytes, f->p, own_size()); /* what it keeps itself lies in one piece, in this order */
+  if (f->run) ltcgear_save(f->run, bytes + own_size());
+  return 0;
+}
+
+/* Take over the run of a kept state. */
+static int take_run(fmu *f, const kept *head) {
+  forget(f);
+  if (!head->started) return 0;
+  f->run = ltcgear_create(model, head->rtol);
+  if (!f->run) return fmu_refuse(f, "there is no memory for a run");
+  int whole = head->size == sizeof *head + own_size() + ltcgear_size(f->run);
+  if (whole && !ltcgear_restore(f->run, (const char *)(head + 1) + own_size())) return 0;
+  forget(f);
+  return fmu_refuse(f, "the state is damaged");
+}
+
+int fmu_return(fmu *f, const void *state) {
+  const kept *head = state;
+  if (!head) return fmu_refuse(f, "no state was given");
+  if (take_run(f, head)) return 1;
+  memcpy(f->p, head + 1, own_size());
+  f->mode = head->mode, f->time = head->time, f->rtol = head->rtol;
+  return 0;
+}
+
+size_t fmu_kept_size(const void *state) { return state ? ((const kept *)state)->size : 0; }
+
+int fmu_pack(fmu *f, const void *state, void *bytes, size_t size) {
+  size_t needed = fmu_kept_size(state);
+  if (!state || size < needed) return fmu_refuse(f, "a state of %zu bytes goes not into %zu", needed, size);
+  memcpy(bytes, state, needed);
+  return 0;
+}
+
+int fmu_unpack(fmu *f, const void *bytes, size_t size, void **state) {
+  kept *made = calloc(1, size > sizeof *made ? size : sizeof *made);
+  if (!made) return fmu_refuse(f, "there is no memory for a state");
+  memcpy(made, bytes, size);
+  made->token[sizeof made->token - 1] = 0;
+  int other = strncmp(made->token, fmu_scene.token, sizeof made->token - 1) != 0 || made->exchange != f->exchange;
+  int damaged = made->size != size || size < sizeof *made + own_size() || made->mode < FMU_MADE ||
+                made->mode > FMU_ENDED;
+  if (other || damaged) {
+    free(made);
+    return fmu_refuse(f, other ? "the state is that of another model" : "the state is damaged");
+  }
+  free(*state);
+  *state = made;
+  return 0;
+}
