@@ -27,8 +27,8 @@ CHANGES = {
     ERRORS: "[" + ", ".join(f"{{ planet = {k + 1} }}" for k in range(PLANETS)) + "]",
 }
 VARY = [f"{ERRORS}.{k}.tangential=0 um:20 um" for k in range(PLANETS)]
-POINTS, T_END, ROUNDS = 1000, 0.75, 3
-SHARE = 50
+POINTS, T_END, ROUNDS = 1000, 0.75, 2
+SHARE = 10
 """Every so many points are simulated alone."""
 
 
