@@ -100,6 +100,12 @@ def series_values(series: Sequence[float], phase: NDArray[np.float64]) -> NDArra
     return total
 
 
+@lru_cache(maxsize=256)
+def least_value(series: tuple[float, ...]) -> float:
+    """Return the least value of a series over the pitch; kept, since variants of a scene share most of theirs."""
+    return float(series_values(series, np.linspace(0.0, 1.0, 2000)).min())
+
+
 def _curve(
     stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int, backwards: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,8 @@ from .trace import FEWEST, FloatArray, list_items, pick, read_trace
 if TYPE_CHECKING:
     import xarray as xr
 
+UNLOADED = 1e-9
+"""Mean load of a group over its largest force below which it carries nothing."""
 WEAK = 0.05
 """Part of the mean total load below which shares of an instant say nothing."""
 
@@ -55,8 +58,13 @@ class LoadShare:
 
 def list_groups(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Return the meshes by group: ``lsp.sun_planet`` -> its planets' meshes."""
+    return group_meshes(list_items(dataset, "mesh_force"))
+
+
+def group_meshes(meshes: Iterable[str]) -> dict[str, list[str]]:
+    """Return meshes by group."""
     found: dict[str, list[str]] = {}
-    for mesh in list_items(dataset, "mesh_force"):
+    for mesh in meshes:
         found.setdefault(group_of(mesh), []).append(mesh)
     return found
 
@@ -84,7 +92,7 @@ def find_load_share(dataset: xr.Dataset, group: str) -> LoadShare:
     time, force = _read_forces(dataset, meshes)
     total = force.mean(axis=1)
     middle = float(total.mean())
-    if not abs(middle) > 1e-9 * float(np.abs(force).max()):
+    if not abs(middle) > UNLOADED * float(np.abs(force).max()):
         raise LtcgearError(f"{group}: carries no load in the mean, so it has no shares")
     carried = total / middle
     share = np.where(carried[:, None] > WEAK, force / np.where(carried > WEAK, total, 1.0)[:, None], np.nan)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..analysis.sharing import find_load_share, list_groups
+from ..analysis.sharing import UNLOADED, group_meshes, list_groups
 from ..analysis.spectrum import find_spectrum
 from ..analysis.trace import FEWEST, FloatArray, list_items, select_output
 from ..analysis.transmission import find_transmission_error
@@ -120,23 +120,24 @@ def _force_statistics(run: Result, name: str) -> dict[str, dict[str, float]]:
 
 def _take_load_share(run: Result) -> Taken:
     """Take each planet's mean share, and the largest of each group; NaN where a group carries nothing."""
-    half = _half(run, "load_share", ["mesh_force"], FEWEST)
-    groups = {group: meshes for group, meshes in list_groups(half).items() if len(meshes) > 1}
+    found = run.summary.get("forces") or _force_statistics(run, "load_share")
+    groups = {group: meshes for group, meshes in group_meshes(found).items() if len(meshes) > 1}
     if not groups:
         raise LtcgearError("--metric load_share: this scene has no meshes that share a load; leave the metric out")
-    shares: list[float] = []
-    for group, meshes in groups.items():
-        try:
-            shares += find_load_share(half, group).mean.tolist()
-        except LtcgearError:  # it carries nothing in the mean
-            shares += [float("nan")] * len(meshes)
-    meshes = [mesh for members in groups.values() for mesh in members]
-    by_mesh = dict(zip(meshes, shares, strict=True))
-    largest = [max(by_mesh[mesh] for mesh in members) for members in groups.values()]
+    shares = {mesh: share for meshes in groups.values() for mesh, share in _share(found, meshes)}
+    largest = [max(shares[mesh] for mesh in meshes) for meshes in groups.values()]
     words = "share of the load: mean force over the mean of the group"
-    yield Values("load_share", shares, "1", words, "", "planet_mesh", meshes)
+    yield Values("load_share", list(shares.values()), "1", words, "", "planet_mesh", list(shares))
     words, source = "mesh load factor K_gamma: largest share of a group", "ISO 6336-1"
     yield Values("mesh_load_factor", largest, "1", words, source, "group", list(groups))
+
+
+def _share(found: Mapping[str, Mapping[str, float]], meshes: Sequence[str]) -> Iterator[tuple[str, float]]:
+    """Yield the shares of meshes in their mean load, as ``find_load_share`` has them of a whole record."""
+    middle = sum(found[mesh]["mean"] for mesh in meshes) / len(meshes)
+    largest = max(abs(found[mesh][end]) for mesh in meshes for end in ("min", "max"))
+    loaded = abs(middle) > UNLOADED * largest
+    yield from ((mesh, found[mesh]["mean"] / middle if loaded else float("nan")) for mesh in meshes)
 
 
 def _take_transmission_error(run: Result) -> Taken:

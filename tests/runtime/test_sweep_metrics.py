@@ -98,8 +98,10 @@ def test_extremes_of_mesh_forces_see_what_lies_between_samples(result, row):
 def test_shares_and_transmission_errors_are_those_of_the_analysis(result, row):
     half = window(result.dataset)
     share = find_load_share(half, "lsp.ring_planet")
-    assert np.array_equal(row["load_share"].sel(planet_mesh=list(share.meshes)), share.mean)
-    assert float(row["mesh_load_factor"].sel(group="lsp.ring_planet")) == share.mesh_load_factor
+    assert row["load_share"].sel(planet_mesh=list(share.meshes)).values == pytest.approx(share.mean, rel=1e-13)
+    assert float(row["mesh_load_factor"].sel(group="lsp.ring_planet")) == pytest.approx(
+        share.mesh_load_factor, rel=1e-13
+    )
     error = find_transmission_error(half, "lsp.sun_planet.3")
     assert float(row["transmission_error"].sel(mesh="lsp.sun_planet.3")) == error.peak_to_peak
 
@@ -161,7 +163,7 @@ def test_metrics_that_are_none_are_refused_before_any_run(result, name, reason):
         lay_out(result.dataset, ["forces", name], T_END, RATE)
 
 
-@pytest.mark.parametrize("name", ["load_share", "transmission_error", "spectrum:mesh_force:lsp.sun_planet.1"])
+@pytest.mark.parametrize("name", ["transmission_error", "spectrum:mesh_force:lsp.sun_planet.1"])
 def test_runs_too_short_are_refused_before_any(result, name):
     with pytest.raises(LtcgearError, match=re.escape(f"--metric {name}: the second half of a run has 41 samples")):
         lay_out(result.dataset, [name], 0.01, RATE)
