@@ -90,7 +90,7 @@ def simulate_many(
         If an option or a parameter set is wrong, before anything runs.
     """
     given, count = list(sets), _count_workers(workers)
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, oversample)
     check_length(t_end * rate)
     _check_sets(library, given)
     check_size(library, t_end * rate * min(len(given), AHEAD * count + 1))

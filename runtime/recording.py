@@ -91,7 +91,7 @@ def record(
         If a file cannot be written, or the checkpoint is missing, damaged or of another run.
     """
     target = Path(target)
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, oversample)
     check_length(t_end * rate)
     check_target(target)
     settings = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol}

@@ -31,11 +31,12 @@ AUTO = "auto"
 """In place of a method: let ``choose`` take one."""
 DEFAULT_METHOD = AUTO
 DEFAULT_RTOL = 1e-6
+MOST_OVERSAMPLE = 64
 WRONG = 1e-2
 """Energy missing over the strain energy from which a run is warned about."""
 
 
-def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
+def check_options(method: str, rtol: float, t_end: float | None = None, oversample: int = 1) -> None:
     """Refuse options that no integrator can serve, before anything is computed."""
     if method != AUTO:
         check_method(method)
@@ -43,6 +44,8 @@ def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
         raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
         raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds, greater than zero and below 1e7")
+    if not 1 <= oversample <= MOST_OVERSAMPLE:
+        raise LtcgearError(f"oversample {oversample}: must lie between 1 and {MOST_OVERSAMPLE}")
 
 
 def check_size(library: Library, samples: float) -> None:
@@ -100,7 +103,7 @@ def simulate(
     SolverError
         If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
     """
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, oversample)
     check_length(t_end * rate)
     check_size(library, t_end * rate)
     run = Run(

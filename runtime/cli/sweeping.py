@@ -10,7 +10,7 @@ import typer
 from ltcgear.generated.errors import SolverError
 
 from .. import present
-from ..options import AsJson, Changes, EndTime, Method, SceneName, Tolerance
+from ..options import AsJson, Changes, EndTime, Method, Oversample, SceneName, Tolerance
 from ..progress import progress
 from ..results import make_folder
 from .app import InterruptedRunError, app
@@ -61,6 +61,7 @@ def sweep(
     t_end: EndTime = None,
     method: Method = "auto",
     rtol: Tolerance = 1e-6,
+    oversample: Oversample = 1,
     workers: Workers = None,
     scheduler: Scheduler = None,
     figures: Figures = None,
@@ -77,7 +78,8 @@ def sweep(
     if figures is not None:
         make_folder(figures)
     drawn: dict[str, Any] = {"sample": sample, "points": points, "seed": seed}
-    runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "workers": workers, "scheduler": scheduler}
+    runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "oversample": oversample}
+    runs |= {"workers": workers, "scheduler": scheduler}
     try:
         with _bars(template.name) as told:
             summary = sweep_scene(template, vary, output, metrics=metric, told=told, **drawn, **runs)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 STATISTICS = ("mean", "std", "min", "p5", "median", "p95", "max")
 """Of a number over the points, in the order of columns."""
 HEADINGS = ("mean", "deviation", "min", "5 %", "median", "95 %", "max")
-ROWS = 24
+ROWS = 32
 """Rows that a table over an axis has at most."""
 
 
@@ -142,12 +142,12 @@ def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     title, size = _head(own)
     coordinate = dataset[axis.key]
     unit = coordinate.attrs.get("units", "")
-    places = np.unique(np.linspace(0, coordinate.size - 1, min(ROWS, coordinate.size)).round().astype(int))
+    stride = -(-coordinate.size // ROWS)
     rows = tuple(
         (_cell(coordinate.values[place]), *(_round(float(number.values[place]) / size) for number in own))
-        for place in places
+        for place in range(0, coordinate.size, stride)
     )
-    shown = (f"every {coordinate.size / len(places):.3g}th point",) if len(places) < coordinate.size else ()
+    shown = (f"one point of {stride}; the file has all",) if stride > 1 else ()
     heading = f"{axis.key} [{unit}]" if unit else axis.key
     group = group_of(own[0].item)
     numbered = all(one.item.startswith(f"{group}.") for one in own)  # planets, told by their numbers below the group
@@ -164,7 +164,9 @@ def _round(value: float) -> float:
 
 def _cell(value: Any) -> Cell:  # noqa: ANN401
     """Return a coordinate as a table shows it."""
-    return float(value) if isinstance(value, float | np.floating) else str(value)
+    if not isinstance(value, float | np.floating):
+        return str(value)
+    return int(value) if value.is_integer() else float(value)
 
 
 def _told(done: NDArray[np.bool_]) -> tuple[str, ...]:

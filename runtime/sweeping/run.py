@@ -48,6 +48,7 @@ def sweep(
     rate: float | None = None,
     method: str = DEFAULT_METHOD,
     rtol: float = DEFAULT_RTOL,
+    oversample: int = 1,
     workers: int | None = None,
     scheduler: str | None = None,
     told: Told = lambda stage, done, total, failed: None,
@@ -71,8 +72,8 @@ def sweep(
         What is kept of each run; forces, and load shares where meshes share a load, where left out.
     t_end, rate
         Time to simulate [s] and samples a second [Hz]; those of the scene where left out.
-    method, rtol
-        As for ``simulate``.
+    method, rtol, oversample
+        As for ``simulate``; spectra of what jumps need the latter, lest high harmonics are folded into them.
     workers
         Processes, as many as there are cores where left out; with 1 this process computes.
     scheduler
@@ -95,7 +96,7 @@ def sweep(
     """
     clock, target = perf_counter(), Path(target)
     check_joblib()
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, oversample)
     check_store(target)
     for name in metrics or ():
         find_metric(name)
@@ -103,6 +104,7 @@ def sweep(
     first = check_points(maker, design)
     end, samples = maker.times(first)
     settings: dict[str, Any] = {"t_end": t_end or end, "rate": rate or samples, "method": method, "rtol": rtol}
+    settings["oversample"] = oversample
     check_options(method, rtol, settings["t_end"])
     check_length(settings["t_end"] * settings["rate"])
     with _open_pool(workers, scheduler) as pool:
@@ -196,7 +198,7 @@ def _prepare(
     check_size(library, settings["t_end"] * settings["rate"])
     p = library.parameters(values)
     with suppress(LtcgearError):  # a point's own reason
-        Run(library, p, oversample=1, tables=tables, **settings)
+        Run(library, p, tables=tables, **settings)
     empty = make_dataset(library, p, no_rows(library))
     metrics = metrics or choose_metrics(empty)
     return artifact, lay_out(empty, metrics, settings["t_end"], settings["rate"]), metrics
