@@ -111,6 +111,10 @@ class Dynamics:
         names = [*manifest.holds, *(2 * manifest.levels if self._state.free else ())]
         self.events = tuple(Border(self, place, name) for place, name in enumerate(names))
 
+    def __reduce__(self) -> Any:  # noqa: ANN401
+        """Refuse to be copied: a copy would share the memory that the C works in."""
+        raise LtcgearError("Dynamics cannot be copied or sent to a process; make another: Dynamics(library, values)")
+
     def _first_parameters(self, values: Mapping[str, float]) -> Vector:
         """Return the parameter vector."""
         missing = [name for name in self.parameters if name not in values]
@@ -277,12 +281,16 @@ class Dynamics:
         state, arrays, signals = self._state, self._arrays, self._signals
         t = read_time(t)
         self._take(x, p)
+        if not (np.isfinite(t) and np.isfinite(arrays["x"]).all()):
+            raise LtcgearError("hold: time and state must be finite numbers; the integration has gone astray before")
         arrays["signals"][:], arrays["slope"][:], state.base = signals.at(t), signals.rate(t), t
         state.held = 1
         tau, rate, share = self._course(t)
         gain = self._course(t + 1.0)[1] - rate if arrays["slope"].any() else 0.0 * rate
         arrays["cells"][:] = cells_of(Phases(tau, np.where(rate != 0, rate, gain), share))
         self._choose_sides(t)
+        if self.events:
+            _ = self._slack  # by CasADi, so not when the first event is asked for
         until = float("inf")
         if not state.free:
             now = np.concatenate([tau, rate, share])

@@ -109,7 +109,7 @@ def _flatten(node: Any, key: str) -> Iterator[tuple[str, Any]]:  # noqa: ANN401
     """Yield the values of nested tables by dotted key."""
     if isinstance(node, dict):
         for name, value in node.items():
-            if name not in LABELS:
+            if not (name in LABELS and isinstance(value, str)):  # tables may bear these names
                 yield from _flatten(value, f"{key}.{name}" if key else name)
     else:
         yield key, node

@@ -139,8 +139,9 @@ def _read_items(text: str, label: str) -> tuple[str, ...]:
     items = tuple(item.strip() for item in text.split(","))
     if not all(items):
         raise LtcgearError(f"{label}: a value of the list is empty; write NAME=v1,v2,v3")
-    if len(set(items)) < len(items):
-        twice = next(item for item in items if items.count(item) > 1)
+    meant = [item if _split(item)[0] is None else _split(item) for item in items]
+    if len(set(meant)) < len(items):
+        twice = next(item for item, value in zip(items, meant, strict=True) if meant.count(value) > 1)
         raise LtcgearError(f"{label}: {twice} is given twice; give each value once")
     for item in items:
         number, _ = _split(item)

@@ -77,12 +77,19 @@ class Design:
         return {axis.key: axis.write(float(value)) for axis, value in zip(self.axes, self.values[point], strict=True)}
 
     def ends(self) -> list[dict[str, str]]:
-        """Return the changes of points that reach all bounds: for each axis its extremes, all items of a list."""
+        """Return the changes of points that reach all bounds: for each axis its extremes, all items of a list.
+
+        Bounds of a range that is filled are put in place of a point's own value, since draws come close to them only.
+        """
         places: list[int] = []
         for axis, column in zip(self.axes, self.values.T, strict=True):
             found = np.unique(column, return_index=True)[1]
             places += found.tolist() if axis.items else [found[0], found[-1]]
-        return [self.changes(place) for place in dict.fromkeys(places)]
+        reached = [self.changes(place) for place in dict.fromkeys(places)]
+        bounds = [
+            (axis.key, axis.write(end)) for axis in self.axes if not axis.crossed for end in (axis.low, axis.high)
+        ]
+        return [*reached, *(reached[0] | {key: bound} for key, bound in bounds)]
 
     def coordinates(self) -> dict[str, tuple[str, NDArray[Any], dict[str, str]]]:
         """Return one coordinate per axis over the dimension ``point``, as xarray takes it."""

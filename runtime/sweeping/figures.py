@@ -16,8 +16,18 @@ from ..plots import BLUE, ORANGE, finish_axes, make_canvas
 from ..spectra import noise_bandwidth
 from ..statistics import group_of
 from .axes import Axis
-from .influence import Influence, find_influences
-from .reading import FloatArray, Numbers, choose_shown, design_of, is_done, list_numbers, list_spectra, shorten
+from .influence import FLAT, Influence, find_influences
+from .reading import (
+    FloatArray,
+    Numbers,
+    choose_shown,
+    design_of,
+    is_done,
+    is_whole,
+    list_numbers,
+    list_spectra,
+    shorten,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -54,7 +64,9 @@ def draw_sweep(dataset: Dataset) -> dict[str, Figure]:
     design, metrics = design_of(dataset), choose_shown(dataset)
     crossed = [axis for axis in design.varied if axis.crossed]
     drawn = len(crossed) < len(design.varied)
-    chosen = {(1, False): draw_response, (2, False): draw_map, (1, True): draw_bands}
+    chosen = {(1, False): draw_response, (1, True): draw_bands}
+    if is_whole(dataset):
+        chosen[2, False] = draw_map
     draw = chosen.get((len(crossed), drawn), draw_distribution)
     figures = {_file_name(name): draw(dataset, name) for name in metrics if _has_numbers(dataset, name)}
     if len(crossed) == 1 and not drawn and _is_numeric(dataset, crossed[0]) and is_done(dataset).any():
@@ -135,12 +147,20 @@ def draw_distribution(dataset: Dataset, metric: str) -> Figure:
     return figure
 
 
+def _bins(values: FloatArray, count: int) -> FloatArray:
+    """Return the borders of equal bins over some values; what varies by rounding only does not fill them."""
+    low, high = float(values.min()), float(values.max())
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    half = max(half, FLAT * abs(middle)) or 0.5
+    return np.linspace(middle - half, middle + half, count + 1)
+
+
 def _draw_spread(counted: Axes, summed: Axes, own: list[Numbers]) -> None:
     """Draw the histograms of a group and their sums."""
     values, label = _scaled(own)
     kept = [some[np.isfinite(some)] for some in values]
     runs = max(some.size for some in kept)
-    edges = np.histogram_bin_edges(np.concatenate(kept), min(BINS, max(8, 2 * int(np.sqrt(runs)))))
+    edges = _bins(np.concatenate(kept), min(BINS, max(8, 2 * int(np.sqrt(runs)))))
     for number, (one, some) in enumerate(zip(own, kept, strict=True)):
         style = _style(number, len(own))
         counted.stairs(np.histogram(some, edges)[0], edges, **style)
@@ -222,7 +242,7 @@ def _draw_over(dataset: Dataset, metric: str, axis: Axis, levels: NDArray[Any], 
 
 
 def draw_map(dataset: Dataset, metric: str) -> Figure:
-    """Draw a metric over the two axes that are varied, a panel for each item, those that vary most."""
+    """Draw a metric of a finished sweep over the two axes that vary, a panel for each item, those that vary most."""
     one, other = design_of(dataset).varied
     known = [one for one in _numbers_of(dataset, metric) if np.isfinite(one.values).any()]
     numbers = sorted(known, key=lambda one: -float(np.nanmax(one.values) - np.nanmin(one.values)))[:PANELS]

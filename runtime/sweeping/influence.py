@@ -10,7 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from .design import Design, import_salib, make_problem
-from .reading import FloatArray, Numbers, design_of, is_done, list_numbers
+from .reading import FloatArray, Numbers, design_of, is_done, is_whole, list_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,6 +77,8 @@ def find_influences(dataset: xr.Dataset, metrics: list[str] | None = None) -> li
     design = design_of(dataset)
     if design.sample != "saltelli":
         raise LtcgearError(f"Sobol indices need a sweep with --sample saltelli; this one is of {design.sample}")
+    if not is_whole(dataset):
+        raise LtcgearError("Sobol indices need all runs of a sweep; give its command again, which goes on with it")
     width, done = len(design.axes) + 2, is_done(dataset)
     whole = int(done.reshape(-1, width).all(axis=1).sum())
     if whole < FEWEST:

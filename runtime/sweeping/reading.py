@@ -58,6 +58,11 @@ def is_done(dataset: xr.Dataset) -> NDArray[np.bool_]:
     return np.array([str(status) == DONE for status in dataset[STATUS].values], dtype=bool)
 
 
+def is_whole(dataset: xr.Dataset) -> bool:
+    """Say whether a sweep has a row for every point; one under way has not."""
+    return dataset.sizes[POINT] == design_of(dataset).size
+
+
 def list_metrics(dataset: xr.Dataset) -> list[str]:
     """List the variables that hold metrics, spectra included."""
     return [str(name) for name, variable in dataset.data_vars.items() if POINT in variable.dims and name != STATUS]

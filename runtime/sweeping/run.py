@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
+from math import isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -103,9 +104,9 @@ def sweep(
     design = draw_design(read_axes(vary), sample, points, seed)
     first = check_points(maker, design)
     end, samples = maker.times(first)
-    settings: dict[str, Any] = {"t_end": t_end or end, "rate": rate or samples, "method": method, "rtol": rtol}
-    settings["oversample"] = oversample
-    check_options(method, rtol, settings["t_end"])
+    settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "rate": samples if rate is None else rate}
+    settings |= {"method": method, "rtol": rtol, "oversample": oversample}
+    _check_rate(settings["rate"])
     check_length(settings["t_end"] * settings["rate"])
     with _open_pool(workers, scheduler) as pool:
         plan = make_plan(maker, design, metrics, settings, told)
@@ -117,6 +118,12 @@ def sweep(
             seconds["simulate"] = perf_counter() - clock
             store.seal()
     return tell_sweep(target, maker, kept, pool.workers, seconds)
+
+
+def _check_rate(rate: float) -> None:
+    """Refuse a rate of samples that is none."""
+    if not (isfinite(rate) and rate > 0):
+        raise LtcgearError(f"rate {rate:g}: must be samples a second [Hz], greater than zero")
 
 
 def check_points(maker: Maker, design: Design) -> dict[str, str]:
@@ -214,10 +221,15 @@ def describe_sweep(plan: Plan) -> dict[str, Any]:
         "metrics": ", ".join(plan.metrics),
         **plan.settings,
         **plan.maker.entries(),
-        **{f"version of {name}": version(name) for name in ("ltcgear", "casadi", "numpy", "scipy")},
+        **{f"version of {name}": version(name) for name in _list_packages(plan.design)},
         "equations": sorted(plan.models),
         "points as drawn": drawn["digest"],
     }
+
+
+def _list_packages(design: Design) -> list[str]:
+    """Return the packages on which a sweep's numbers depend."""
+    return ["ltcgear", "casadi", "numpy", "scipy", *(["SALib"] if design.sample == "saltelli" else [])]
 
 
 def _write_axis(axis: Mapping[str, Any]) -> str:

@@ -126,3 +126,13 @@ def test_the_summary_holds_indices(known):
     assert [one["metric"] for one in found] == ["response", "still"]
     assert found[0]["axes"]["x.2"]["first"] == pytest.approx(0.4424, abs=0.03)
     assert found[1]["axes"]["x.2"]["first"] is None
+
+
+def test_a_sweep_under_way_has_no_indices_yet(known):
+    """Its rows would be taken for blocks that they are not."""
+    _, sweep = known
+    part = sweep.isel(point=np.delete(np.arange(sweep.sizes["point"]), [3, 500, 501, 900, 2000]))
+    with pytest.raises(LtcgearError, match="need all runs"):
+        find_influences(part)
+    assert "need all runs" in summarise(part)["without_influences"]
+    assert list_tables(part)

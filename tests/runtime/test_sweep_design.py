@@ -128,6 +128,7 @@ def test_ends_reach_every_bound_and_every_item():
     assert {end["effects.x"] for end in ends} == {"on", "off", "paper"}
     drawn = [design.changes(point)["e"] for point in range(design.size)]
     assert {min(drawn, key=_number), max(drawn, key=_number)} <= {end["e"] for end in ends}
+    assert {"0.0 um", "9.0 um"} <= {end["e"] for end in ends}
 
 
 def _number(text):
@@ -157,6 +158,7 @@ def _number(text):
         ("a=1:2:99999999", "1000000"),
         ("a=on,,off", "a value of the list is empty"),
         ("a=on,off,on", "on is given twice"),
+        ("a=1 rpm,2 rpm,1.0 rpm", "1 rpm is given twice"),
         ("a=1,-inf", "-inf is not finite"),
     ],
 )

@@ -158,3 +158,17 @@ def test_saltelli_gives_bars_with_their_confidence():
     widths = [bar.get_width() for bar in figures["sobol-factor"].axes[0].patches]
     assert widths == pytest.approx([0.9, 0.1, 0.9, 0.1], abs=0.05)
     assert len({to_hex(bar.get_facecolor()) for bar in figures["sobol-factor"].axes[0].patches}) == 2
+
+
+def test_what_varies_by_rounding_only_is_drawn():
+    design = draw_design(read_axes(["a.b=0:1", "a.c=0:1"]), "lhs", 20)
+    sweep = as_sweep(design, factor=1.0 + 1e-16 * np.arange(20.0), none=np.zeros(20))
+    for figure in draw_sweep(sweep).values():
+        assert figure.axes[0].get_xlim()[0] < figure.axes[0].get_xlim()[1]
+
+
+def test_a_grid_under_way_is_drawn_without_maps():
+    design = draw_design(read_axes(["a.b=0:1:5", "a.c=0:1:4"]))
+    sweep = as_sweep(design, factor=np.arange(20.0))
+    assert len(draw_sweep(sweep)["factor"].axes) == 2  # the map and its scale
+    assert draw_sweep(sweep.isel(point=[0, 3, 4, 9, 11]))["factor"].axes[0].get_ylabel() == "runs"
