@@ -1,5 +1,7 @@
 """Right-hand side and Jacobian for other people's solvers, against the contract, closed forms and the march."""
 
+import copy
+import pickle
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from time import perf_counter
@@ -337,6 +339,15 @@ def test_what_is_not_a_number_is_not_hidden():
     x = dynamics.x0
     x[c.state("reference.angle")] = np.nan
     assert not np.isfinite(dynamics.rhs(0.0, x)).all()
+    for t, state in ((0.0, x), (np.nan, dynamics.x0), (np.inf, dynamics.x0)):
+        with pytest.raises(LtcgearError, match="must be finite"):
+            dynamics.hold(t, state)
+
+
+def test_copies_are_refused():
+    for make in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(LtcgearError, match="make another"):
+            make(opened("psh")[1])
 
 
 def test_what_does_not_fit_the_model_is_refused(monkeypatch):

@@ -19,6 +19,7 @@ from ltcgear.runtime.results import save
 from ltcgear.runtime.sweeping import run as sweeping
 from ltcgear.runtime.sweeping import task
 from ltcgear.symbolic import Template
+from ltcgear.symbolic.scene import SHIPPED
 
 from sweep_trace import Traced
 
@@ -258,10 +259,14 @@ REFUSED = {
     "of all points": (["simulation.t_end=1 s:2 s"], {}, "is the same for all points; give --t-end"),
     "metric": (["loads.ring.speed=5 rpm:20 rpm"], {"metrics": ["forcs"]}, "no such metric"),
     "item": (["loads.ring.speed=5 rpm:20 rpm"], {"metrics": ["rms:mesh_force:lsp.x"]}, "lsp.x"),
-    "too short": (["loads.ring.speed=5 rpm:20 rpm"], {"t_end": 1e-3}, "samples"),
+    "too short": (["loads.ring.speed=5 rpm:20 rpm"], {"t_end": 2e-4}, "second half of a run has 1 samples"),
     "method": (["loads.ring.speed=5 rpm:20 rpm"], {"method": "euler"}, "euler"),
     "workers": (["loads.ring.speed=5 rpm:20 rpm"], {"workers": 0}, "must be 1 at least"),
     "both": (["loads.ring.speed=5 rpm:20 rpm"], {"scheduler": "tcp://127.0.0.1:9"}, "a cluster has its own"),
+    "no rate": (["loads.ring.speed=5 rpm:20 rpm"], {"rate": 0.0}, "rate 0: must be samples a second"),
+    "rate": (["loads.ring.speed=5 rpm:20 rpm"], {"rate": float("nan")}, "rate nan: must be samples a second"),
+    "oversample": (["loads.ring.speed=5 rpm:20 rpm"], {"oversample": 0}, "oversample 0: must lie between 1 and 64"),
+    "bound": (["stages.lsp.sun_planet.damping_ratio=-0.001:0.1"], {}, "damping_ratio"),
     "bad end": (["loads.ring.speed=5 rpm:20 rpm", "stages.lsp.sun_planet.damping_ratio=-1:2"], {}, "damping_ratio"),
 }
 
@@ -318,6 +323,18 @@ def test_the_file_of_another_sweep_is_refused(stored, name, file):
         sweep(Template("lsp", changes), target=stored / file, **options)
     assert "give another -o, or delete it" in str(caught.value)
     assert {path.name: path.read_bytes() for path in stored.iterdir()} == before
+
+
+@pytest.mark.parametrize("name", ["source", "title"])
+def test_loads_may_be_called_as_labels_are(tmp_path, name):
+    """What is said of where numbers come from makes no other sweep, but a load's number does."""
+    text = (SHIPPED / "lsp.toml").read_text("utf-8").replace("[loads.sun]", f"[loads.{name}]")
+    (tmp_path / "one.toml").write_text(text.replace("brakes the clockwise sun", "brakes it"))
+    (tmp_path / "two.toml").write_text(text)
+    one, two = (Template(tmp_path / f"{which}.toml").entries() for which in ("one", "two"))
+    other = Template(tmp_path / "two.toml", {f"loads.{name}.torque": "1e5 N*m"}).entries()
+    assert one | {"scene": ""} == two | {"scene": ""}
+    assert {key for key in other if other[key] != two.get(key)} == {f"loads.{name}.torque"}
 
 
 def test_results_and_strange_files_are_no_sweeps(tmp_path, stored):
