@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Told = Callable[[str, int, int, int], None]
+MOST_WORKERS = 1024
 FIXED = ("simulation",)
 """Tables of the scene that are the same for all points."""
 
@@ -108,7 +109,7 @@ def sweep(
     settings |= {"method": method, "rtol": rtol, "oversample": oversample}
     _check_rate(settings["rate"])
     check_length(settings["t_end"] * settings["rate"])
-    with _open_pool(workers, scheduler) as pool:
+    with _open_pool(workers, scheduler, design.size) as pool:
         plan = make_plan(maker, design, metrics, settings, told)
         seconds = {"prepare": perf_counter() - clock}
         clock = perf_counter()
@@ -140,8 +141,12 @@ def check_points(maker: Maker, design: Design) -> dict[str, str]:
             maker.make(changes)
             taken.append(changes)
         except SceneError as error:
+            own = _find_fault(maker, {})
             for key, value in changes.items():
-                if not _takes(maker, {key: value}):
+                alone = _find_fault(maker, {key: value})
+                if alone and alone == own:  # the scene's, whatever is varied
+                    raise
+                if alone:
                     raise SceneError(f"--vary {key}: {error}") from error
     if not taken:
         raise LtcgearError("no end of the axes gives a scene without defects; see `ltcgear info SCENE --set KEY=VALUE`")
@@ -158,13 +163,13 @@ def _list_checked(design: Design) -> list[dict[str, str]]:
     return [middle, *(middle | {axis.key: item} for axis in design.axes for item in axis.items)]
 
 
-def _takes(maker: Maker, changes: Mapping[str, str]) -> bool:
-    """Say whether the scene takes some changes."""
+def _find_fault(maker: Maker, changes: Mapping[str, str]) -> str:
+    """Say why the scene does not take some changes; "" where it does."""
     try:
         maker.make(changes)
-    except SceneError:
-        return False
-    return True
+    except SceneError as error:
+        return str(error)
+    return ""
 
 
 def make_plan(
@@ -246,19 +251,20 @@ def _attributes(plan: Plan) -> dict[str, Any]:
 
 
 @contextmanager
-def _open_pool(workers: int | None, scheduler: str | None) -> Iterator[Pool]:
-    """Give the pool that computes.
+def _open_pool(workers: int | None, scheduler: str | None, points: int) -> Iterator[Pool]:
+    """Give the pool that computes some points.
 
     Raises
     ------
     LtcgearError
         If there is no such pool.
     """
-    if workers is not None and (workers < 1 or scheduler is not None):
-        what = "a cluster has its own; leave it out" if scheduler is not None else "must be 1 at least"
-        raise LtcgearError(f"--workers {workers}: {what}")
+    if workers is not None and scheduler is not None:
+        raise LtcgearError(f"--workers {workers}: a cluster has its own; leave it out")
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise LtcgearError(f"--workers {workers}: must be 1 at least, and {MOST_WORKERS} at most")
     if scheduler is None:
-        yield Processes(workers or len(os.sched_getaffinity(0)))
+        yield Processes(min(workers or len(os.sched_getaffinity(0)), points))
         return
     try:
         from .cluster import connect

@@ -262,6 +262,7 @@ REFUSED = {
     "too short": (["loads.ring.speed=5 rpm:20 rpm"], {"t_end": 2e-4}, "second half of a run has 1 samples"),
     "method": (["loads.ring.speed=5 rpm:20 rpm"], {"method": "euler"}, "euler"),
     "workers": (["loads.ring.speed=5 rpm:20 rpm"], {"workers": 0}, "must be 1 at least"),
+    "many workers": (["loads.ring.speed=5 rpm:20 rpm"], {"workers": 100000}, "1024 at most"),
     "both": (["loads.ring.speed=5 rpm:20 rpm"], {"scheduler": "tcp://127.0.0.1:9"}, "a cluster has its own"),
     "no rate": (["loads.ring.speed=5 rpm:20 rpm"], {"rate": 0.0}, "rate 0: must be samples a second"),
     "rate": (["loads.ring.speed=5 rpm:20 rpm"], {"rate": float("nan")}, "rate nan: must be samples a second"),
@@ -278,6 +279,17 @@ def test_what_is_wrong_is_refused_before_any_run(tmp_path, monkeypatch, name):
     with pytest.raises(LtcgearError, match=reason):
         sweep(Template("lsp"), vary, tmp_path / "a.nc", **{**FEW, **options})
     assert not list(tmp_path.iterdir())
+
+
+def test_what_the_scene_has_wrong_is_not_laid_to_an_axis(tmp_path):
+    scene = Template("lsp", {"stages.lsp.sun.mass": "0 kg"})
+    with pytest.raises(LtcgearError, match=r"^lsp: 1 defect\n  stages.lsp.sun.mass"):
+        sweep(scene, VARY, tmp_path / "a.nc", **FEW)
+
+
+def test_no_more_processes_than_points(tmp_path):
+    options = {**FEW, "workers": 7, "sample": "grid", "points": None}
+    assert sweep(Template("lsp"), ["loads.ring.speed=5 rpm:6 rpm:2"], tmp_path / "a.nc", **options)["workers"] == 2
 
 
 def test_a_scheduler_that_is_not_there_is_told(tmp_path, monkeypatch):
