@@ -125,7 +125,9 @@ def test_every_part_of_a_model_s_key_counts(monkeypatch):
         key(("stages.psh.input.drag", '"1 N*m*s/rad"')),
     }
     monkeypatch.setattr(pipeline, "_sources", lambda: "other equations")
+    pipeline._surroundings.cache_clear()
     others.add(key())
+    pipeline._surroundings.cache_clear()
     assert len(others | {plain}) == 6
 
 
