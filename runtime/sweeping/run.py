@@ -258,7 +258,7 @@ def _open_pool(workers: int | None, scheduler: str | None) -> Iterator[Pool]:
 
 def _fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
     """Compute the missing points and add their rows."""
-    failed, missing = 0, store.missing()
+    missing = store.missing()
     while missing:
         unbuilt: list[int] = []
         for outcome in compute_points(plan, missing, pool):
@@ -266,9 +266,9 @@ def _fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
                 unbuilt.append(outcome.point)
                 continue
             store.add(outcome)
-            failed += outcome.values is None
-            told("simulate", len(store.done), plan.design.size, failed)
+            told("simulate", len(store.done), plan.design.size, store.failed)
         missing = [point for point in unbuilt if not _build_late(plan, store, point)]
+        told("simulate", len(store.done), plan.design.size, store.failed)
 
 
 def _build_late(plan: Plan, store: Store, point: int) -> bool:
