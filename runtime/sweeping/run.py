@@ -268,7 +268,8 @@ def _fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
             store.add(outcome)
             told("simulate", len(store.done), plan.design.size, store.failed)
         missing = [point for point in unbuilt if not _build_late(plan, store, point)]
-        told("simulate", len(store.done), plan.design.size, store.failed)
+        if unbuilt:
+            told("simulate", len(store.done), plan.design.size, store.failed)
 
 
 def _build_late(plan: Plan, store: Store, point: int) -> bool:
