@@ -101,9 +101,9 @@ class Store:
             path.unlink(missing_ok=True)
             return
         kept = _check_sweep(path, about) if path.exists() else None
-        self.part = SweepPart(self.target, self._heading(), None if kept is None else kept.sizes["point"], "point")
         if kept is not None:
             self._note(_arrange(kept, self.design))
+        self.part = SweepPart(self.target, self._heading(), None if kept is None else kept.sizes["point"], "point")
 
     def _note(self, rows: "xr.Dataset") -> None:
         """Note the points that are there, and how many of them failed."""

@@ -99,7 +99,7 @@ def test_one_worker_is_enough_and_what_is_lost_is_told(cluster, tmp_path, monkey
 
     def kill_worker(stage, done, total, failed):
         if (stage, done) == ("simulate", 3):
-            monkeypatch.setattr(module, "PATIENCE", 0.5)
+            monkeypatch.setattr(module, "PATIENCE", 0.2)
             worker.kill()
 
     def help_out(text, file):
