@@ -214,6 +214,9 @@ def _without_rows(path: Path, along: str) -> bytes:
     marks = [np.array(value, ">f8").tobytes() for value in (PLACE, MARK)]
     for mark in marks:
         if whole.count(mark) != 1:
-            raise LtcgearError(f"{path}: holds its mark {whole.count(mark)} times; simulate without -o")
+            raise LtcgearError(
+                f"{path}: holds its mark {whole.count(mark)} times; change any number of the scene a little, "
+                "or leave out -o where there is one run"
+            )
     begin = np.array(whole.index(marks[1]) - before, ">f8").tobytes()
     return whole[:4] + bytes(4) + whole[8:].replace(marks[0], begin)

@@ -1,8 +1,8 @@
-"""Execution: points over local processes or the workers of a Dask cluster, by joblib; dead workers are outlived."""
+"""Execution: points over local processes, by joblib, or the workers of a cluster; dead workers are outlived."""
 
 import signal
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, closing, contextmanager
 from typing import Any, Protocol
@@ -29,8 +29,15 @@ class Pool(Protocol):
     workers: int
     deaths: tuple[type[Exception], ...]
 
-    def serve(self, name: str, data: bytes) -> AbstractContextManager[dict[str, Any]]:
-        """Make a plan known to all workers, as long as the context lasts; give the settings of joblib's backend."""
+    def serve(self, name: str, data: bytes) -> AbstractContextManager["Server"]:
+        """Make a plan known to all workers, as long as the context lasts; give what computes its points."""
+
+
+class Server(Protocol):
+    """Computes points of a plan that all workers know."""
+
+    def run(self, name: str, points: Sequence[int], begun: list[int]) -> Generator[Outcome, None, None]:
+        """Yield outcomes as they come; note the points that are on their way to a worker."""
 
 
 class Processes:
@@ -48,18 +55,48 @@ class Processes:
         self.workers = workers
 
     @contextmanager
-    def serve(self, name: str, data: bytes) -> Iterator[dict[str, Any]]:
+    def serve(self, name: str, data: bytes) -> Iterator["Joblib"]:
         """Make a plan known to all workers."""
         if self.workers == 1:
             keep_plan(name, data)
             try:
-                yield {"backend": "sequential"}
+                yield Joblib({"backend": "sequential"})
             finally:
                 forget_plan(name)
             return
         # The matrices are small: threads of the linear algebra would only wait for each other.
         start = {"initializer": start_process, "initargs": (name, data), "inner_max_num_threads": 1}
-        yield {"backend": "loky", "n_jobs": self.workers, **start}
+        yield Joblib({"backend": "loky", "n_jobs": self.workers, **start})
+
+
+class Joblib:
+    """Joblib's pool.
+
+    Parameters
+    ----------
+    settings
+        Its backend, as ``joblib.parallel_config`` takes it.
+    """
+
+    def __init__(self, settings: dict[str, Any]) -> None:
+        self.settings = settings
+
+    def run(self, name: str, points: Sequence[int], begun: list[int]) -> Generator[Outcome, None, None]:
+        """Yield outcomes as they come; note the points that are on their way to a worker."""
+        from joblib import Parallel, delayed, parallel_config
+
+        def tasks() -> Iterator[Any]:
+            for point in points:
+                begun.append(point)
+                yield delayed(run_point)(name, point)
+
+        with parallel_config(**self.settings):
+            parallel = Parallel(return_as="generator_unordered")
+        with _without_interrupts():
+            started = parallel(tasks())
+        with closing(started) as outcomes, warnings.catch_warnings():
+            warnings.filterwarnings("ignore", module="joblib", category=UserWarning)  # about points nobody waits for
+            yield from outcomes
 
 
 def check_joblib() -> None:
@@ -77,46 +114,29 @@ def compute_points(plan: Plan, points: Sequence[int], pool: Pool) -> Iterator[Ou
     worker is known; it gets a reason in place of numbers. All others go on.
     """
     name, data = plan.pack()
-    with pool.serve(name, data) as settings:
+    with pool.serve(name, data) as server:
         left = dict.fromkeys(points)
         while left:
             begun: list[int] = []
             try:
-                for outcome in _run(name, list(left), begun, settings):
-                    del left[outcome.point]
-                    yield outcome
+                with closing(server.run(name, list(left), begun)) as outcomes:
+                    for outcome in outcomes:
+                        del left[outcome.point]
+                        yield outcome
             except pool.deaths:
                 for point in [point for point in begun if point in left]:
                     del left[point]
-                    yield _run_alone(name, point, settings, pool.deaths)
+                    yield _run_alone(server, name, point, pool.deaths)
 
 
-def _run_alone(name: str, point: int, settings: dict[str, Any], deaths: tuple[type[Exception], ...]) -> Outcome:
+def _run_alone(server: Server, name: str, point: int, deaths: tuple[type[Exception], ...]) -> Outcome:
     """Compute a point while no other is under way."""
     try:
-        [outcome] = _run(name, [point], [], settings)
+        [outcome] = server.run(name, [point], [])
     except deaths as error:
         reason = str(error).strip().splitlines()
         return Outcome(point, DIED.format(reason[0] if reason else type(error).__name__))
     return outcome
-
-
-def _run(name: str, points: Sequence[int], begun: list[int], settings: dict[str, Any]) -> Iterator[Outcome]:
-    """Yield outcomes as they come; note the points that are on their way to a worker."""
-    from joblib import Parallel, delayed, parallel_config
-
-    def tasks() -> Iterator[Any]:
-        for point in points:
-            begun.append(point)
-            yield delayed(run_point)(name, point)
-
-    with parallel_config(**settings):
-        parallel = Parallel(return_as="generator_unordered")
-    with _without_interrupts():
-        started = parallel(tasks())
-    with closing(started) as outcomes, warnings.catch_warnings():
-        warnings.filterwarnings("ignore", module="joblib", category=UserWarning)  # about points that nobody waits for
-        yield from outcomes
 
 
 @contextmanager

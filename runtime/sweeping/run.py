@@ -276,7 +276,7 @@ def _open_pool(workers: int | None, scheduler: str | None, points: int) -> Itera
 
 def _fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
     """Compute the missing points and add their rows."""
-    failed, missing = 0, store.missing()
+    missing = store.missing()
     while missing:
         unbuilt: list[int] = []
         for outcome in compute_points(plan, missing, pool):
@@ -284,9 +284,10 @@ def _fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
                 unbuilt.append(outcome.point)
                 continue
             store.add(outcome)
-            failed += outcome.values is None
-            told("simulate", len(store.done), plan.design.size, failed)
+            told("simulate", len(store.done), plan.design.size, store.failed)
         missing = [point for point in unbuilt if not _build_late(plan, store, point)]
+        if unbuilt:
+            told("simulate", len(store.done), plan.design.size, store.failed)
 
 
 def _build_late(plan: Plan, store: Store, point: int) -> bool:

@@ -5,7 +5,6 @@ are there they are sorted by point into ``NAME.nc``. Both tell of which sweep th
 for it.
 """
 
-import fcntl
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,6 +20,7 @@ from ..checkpoint import tell_differences
 from ..part import BEGIN, Part, part_of
 from ..results import check_target, save
 from .design import Design
+from .lock import Lock
 from .reading import DONE
 from .task import Outcome
 
@@ -46,6 +46,13 @@ class SweepPart(Part):
 class Store:
     """The file of a sweep; rows are added in any order, and sealed when all are there.
 
+    Nobody else reads or writes it from the first look at it to the end.
+
+    Attributes
+    ----------
+    done, failed
+        Points that are there, and how many of them are reasons in place of numbers.
+
     Parameters
     ----------
     target
@@ -60,7 +67,8 @@ class Store:
     Raises
     ------
     LtcgearError
-        If the file, or its part, is of another sweep or no sweep, damaged, cannot be written, or is being written.
+        If the file, or its part, is of another sweep or no sweep, damaged, not whole, cannot be written, or is being
+        written.
     """
 
     def __init__(
@@ -71,15 +79,36 @@ class Store:
         self.attributes = {**attributes, KIND: FORMAT, ABOUT: json.dumps(about), "design": json.dumps(design.to_json())}
         self.part: SweepPart | None = None
         self.done: set[int] = set()
-        if target.exists():
-            found = _check_sweep(target, about)
-            self.done = set(range(found.sizes["point"]))
-            part_of(target).unlink(missing_ok=True)
+        self.failed = 0
+        busy = f"{part_of(target)}: another sweep is writing it; wait for that, or give another -o"
+        self.lock = Lock(lock_of(target), busy)
+        try:
+            self._begin(about)
+        except BaseException:
+            self.lock.release()
+            raise
+
+    def _begin(self, about: Mapping[str, Any]) -> None:
+        """Take up the rows that are there, and open the part for those that are missing."""
+        path = part_of(self.target)
+        if self.target.exists():
+            self._note(_check_sweep(self.target, about))
+            if self.missing():
+                raise LtcgearError(
+                    f"{self.target}: holds {len(self.done)} of the sweep's {self.design.size} points; delete it, "
+                    "and the same command computes all"
+                )
+            path.unlink(missing_ok=True)
             return
-        kept = _rows_of(part_of(target), about) if part_of(target).exists() else None
-        self.part = SweepPart(target, self._heading(), None if kept is None else len(kept), "point")
-        self._lock()
-        self.done = set(kept or ())
+        kept = _check_sweep(path, about) if path.exists() else None
+        if kept is not None:
+            self._note(_arrange(kept, self.design))
+        self.part = SweepPart(self.target, self._heading(), None if kept is None else kept.sizes["point"], "point")
+
+    def _note(self, rows: "xr.Dataset") -> None:
+        """Note the points that are there, and how many of them failed."""
+        self.done = {int(point) for point in rows["point"].values}
+        self.failed = sum(str(status) != DONE for status in rows["status"].values)
 
     def _heading(self) -> "xr.Dataset":
         """Return the file's content without any row."""
@@ -92,27 +121,15 @@ class Store:
         status = {"status": f"{UNFINISHED}; {GO_ON}"}
         return xr.Dataset(data, {"point": np.zeros(0), **coordinates}, {**self.attributes, **status})
 
-    def _lock(self) -> None:
-        """Keep other sweeps away, where files can be locked."""
-        assert self.part is not None
-        try:
-            fcntl.flock(self.part.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            self.part.file.close()
-            raise LtcgearError(
-                f"{self.part.path}: another sweep is writing it; wait for that, or give another -o"
-            ) from error
-        except OSError:
-            pass
-
     def __enter__(self) -> "Store":
         """Use the file."""
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        """Close it."""
+        """Close it, and let others write it."""
         if self.part is not None:
             self.part.file.close()
+        self.lock.release()
 
     def missing(self) -> list[int]:
         """Return the points that are not there."""
@@ -133,17 +150,32 @@ class Store:
             start += variable.size
         self.part.append(columns)
         self.done.add(outcome.point)
+        self.failed += outcome.values is None
 
     def seal(self) -> None:
-        """Write the file of all rows, sorted by point; it appears whole or not at all."""
+        """Write the file of all rows, sorted by point; it appears whole or not at all.
+
+        Raises
+        ------
+        LtcgearError
+            If points are missing.
+        """
         if self.part is None:
             return
         rows = _arrange(_open(self.part.path), self.design)
+        if not np.array_equal(rows["point"].values, np.arange(self.design.size)):
+            there = len(np.unique(rows["point"].values))
+            raise LtcgearError(f"{self.part.path}: holds {there} of the sweep's {self.design.size} points; {GO_ON}")
         rows.attrs = {**self.attributes, "status": DONE}
         for variable in rows.variables.values():
             variable.encoding = {}
         save(rows, self.target)
         self.part.path.unlink()
+
+
+def lock_of(target: Path) -> Path:
+    """Return what is locked while rows are written."""
+    return target.with_suffix(".part.lock")
 
 
 def check_store(target: Path) -> None:
@@ -206,12 +238,6 @@ def _check_sweep(path: Path, about: Mapping[str, Any]) -> "xr.Dataset":
     if differences:
         raise LtcgearError(f"{path}: of another sweep: {differences}; {CURE}")
     return found
-
-
-def _rows_of(path: Path, about: Mapping[str, Any]) -> list[int]:
-    """Return the points whose rows a part holds."""
-    found = _check_sweep(path, about)
-    return [int(point) for point in found["point"].values]
 
 
 def _arrange(rows: "xr.Dataset", design: Design) -> "xr.Dataset":

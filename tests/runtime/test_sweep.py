@@ -223,17 +223,33 @@ def psh(vary):
     return [text.replace("loads.wheel", f"loads.{name}") for text in vary]
 
 
+DISC = "stages.lsp.planet.disc"
+PLANETS = {
+    **{"stages.lsp.ring.teeth": "104", "stages.lsp.sun.teeth": "16", "stages.lsp.planet.teeth": "44"},
+    **{f"{DISC}.outer_diameter": "500 mm", f"{DISC}.inner_diameter": "300 mm"},
+}
+"""A stage that takes two, three and four planets."""
+
+
 def test_variants_with_other_items_share_a_row_and_a_late_one_is_built(tmp_path):
     """Planets over a range: 4 stands at no end of it, so its structure is found by the worker that meets it."""
-    disc = "stages.lsp.planet.disc"
-    teeth = {"stages.lsp.ring.teeth": "104", "stages.lsp.sun.teeth": "16", "stages.lsp.planet.teeth": "44"}
-    scene = teeth | {f"{disc}.outer_diameter": "500 mm", f"{disc}.inner_diameter": "300 mm"}
-    sweep(Template("lsp", scene), ["stages.lsp.planets=2:4:3"], tmp_path / "a.nc", t_end=0.02, workers=1)
+    sweep(Template("lsp", PLANETS), ["stages.lsp.planets=2:4:3"], tmp_path / "a.nc", t_end=0.02, workers=1)
     found = load_sweep(tmp_path / "a.nc")
     assert found["status"].values.tolist() == ["done"] * 3
     carried = found["mesh_force_mean"].sel(mesh=[f"lsp.sun_planet.{k}" for k in range(1, 5)])
     assert np.isfinite(carried).sum("mesh").values.tolist() == [2, 3, 4]
     np.testing.assert_allclose(carried.sum("mesh"), float(carried.sum("mesh")[0]), rtol=2e-2)
+
+
+def test_a_late_variant_that_cannot_be_built_is_told(tmp_path, monkeypatch):
+    def failing(*arguments):
+        raise LtcgearError("this variant has items that no other has")
+
+    monkeypatch.setattr(sweeping, "find_places", failing)
+    told, vary = [], ["stages.lsp.planets=2:4:3"]
+    template = Template("lsp", PLANETS)
+    sweep(template, vary, tmp_path / "a.nc", t_end=0.02, workers=1, told=lambda *now: told.append(now))
+    assert told[-1] == ("simulate", 3, 3, 1)
 
 
 def test_tables_are_read_once_and_go_along(tmp_path):
@@ -364,16 +380,3 @@ def test_results_and_strange_files_are_no_sweeps(tmp_path, stored):
         load_sweep(tmp_path / "b.nc")
     with pytest.raises(LtcgearError, match=r"name it .*b\.nc"):
         sweep(template, VARY, tmp_path / "b.zarr", **FEW)
-
-
-def test_two_sweeps_do_not_write_one_file(tmp_path):
-    target, tried = tmp_path / "a.nc", []
-
-    def again(stage, done, total, failed):
-        if stage == "simulate" and not tried:
-            tried.append(done)
-            with pytest.raises(LtcgearError, match="another sweep is writing it"):
-                sweep(Template("lsp"), VARY, target, **FEW)
-
-    sweep(Template("lsp"), VARY, target, told=again, **FEW)
-    assert tried

@@ -39,19 +39,22 @@ def cluster(tmp_path):
     common = ("--scheduler-file", str(file), "--no-dashboard")
     parts.append(start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", *common))
 
-    def worker():
+    alone = {True: (), False: ("--no-nanny",)}
+
+    def worker(*, nanny=False):
         where = ("--local-directory", str(tmp_path / "scratch"), "--host", "127.0.0.1")
-        parts.append(start("distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", *where, *common))
+        parts.append(start("distributed.cli.dask_worker", "--nthreads", "1", *where, *common, *alone[nanny]))
         return parts[-1]
 
+    worker.scheduler = parts[0]
     end = monotonic() + 30
     while not file.exists() and monotonic() < end:
         sleep(0.05)
     try:
         yield json.loads(file.read_text())["address"], worker
     finally:
-        for part in parts:
-            part.kill()
+        for part in parts[::-1]:
+            part.terminate()  # a nanny ends its worker
             part.wait()
 
 
@@ -85,3 +88,49 @@ def test_a_cluster_without_workers_is_told(cluster, tmp_path, monkeypatch):
     with pytest.raises(LtcgearError, match="has no workers; start them with `dask worker tcp://"):
         sweep(Template("lsp"), VARY, tmp_path / "a.nc", scheduler=cluster[0], **DRAWN)
     assert not (tmp_path / "a.nc").exists()
+
+
+def test_one_worker_is_enough_and_what_is_lost_is_told(cluster, tmp_path, monkeypatch):
+    """It is killed in the middle, which is told once; another takes its place, until the scheduler is killed."""
+    from ltcgear.runtime.sweeping import cluster as module
+
+    (address, add), warnings = cluster, []
+    worker, few = add(), {**DRAWN, "points": 10, "t_end": 0.02}
+
+    def kill_worker(stage, done, total, failed):
+        if (stage, done) == ("simulate", 3):
+            monkeypatch.setattr(module, "PATIENCE", 0.2)
+            worker.kill()
+
+    def help_out(text, file):
+        warnings.append((text, file))
+        add()
+
+    monkeypatch.setattr(module, "print", help_out, raising=False)
+    summary = sweep(Template("lsp"), VARY, tmp_path / "a.nc", scheduler=address, told=kill_worker, **few)
+    assert (summary["workers"], summary["computed"], summary["failed"]) == (1, 10, 0)
+    sweep(Template("lsp"), VARY, tmp_path / "b.nc", workers=1, **few)
+    xr.testing.assert_identical(load_sweep(tmp_path / "a.nc"), load_sweep(tmp_path / "b.nc"))
+    [(text, file)] = warnings
+    assert "has no workers left, the sweep waits; start some with `dask worker tcp://" in text
+    assert file is sys.stderr
+
+    def kill_scheduler(stage, done, total, failed):
+        if (stage, done) == ("simulate", 3):
+            add.scheduler.kill()
+
+    monkeypatch.setattr(module, "PATIENCE", 5)
+    with pytest.raises(LtcgearError, match=f"the scheduler {address} is lost .*; rows are kept, the same command goes"):
+        sweep(Template("lsp"), VARY, tmp_path / "c.nc", scheduler=address, told=kill_scheduler, **few)
+    assert load_sweep(tmp_path / "c.part.nc").sizes["point"] >= 3
+
+
+def test_a_point_that_kills_every_worker_is_a_row(cluster, tmp_path):
+    address, add = cluster
+    add(nanny=True)
+    template = Traced(tmp_path / "trace", "lsp", deadly="12 rpm")
+    grid = ("loads.ring.speed=5 rpm,12 rpm,20 rpm",)
+    assert sweep(template, grid, tmp_path / "a.nc", t_end=0.02, scheduler=address)["failed"] == 1
+    found = load_sweep(tmp_path / "a.nc")
+    assert [status == "done" for status in found["status"].values] == [True, False, True]
+    assert "died that computed this point" in str(found["status"].values[1])
