@@ -195,7 +195,10 @@ def save(dataset: "xr.Dataset", path: Path) -> None:
     """
     summed = {name: {"fletcher32": True} for name, data in dataset.variables.items() if has_sum(data)}
     with written_whole(path) as draft:
-        dataset.to_netcdf(draft, engine="netcdf4", encoding=summed)
+        try:
+            dataset.to_netcdf(draft, engine="netcdf4", encoding=summed)
+        except RuntimeError as error:  # HDF5's own, where there is no room
+            raise OSError(str(error)) from error
 
 
 def has_sum(data: "xr.Variable") -> bool:

@@ -1,6 +1,7 @@
 """Cluster: the workers of a Dask scheduler as a sweep's pool."""
 
 import logging
+import re
 import sys
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -17,6 +18,8 @@ PATIENCE = 10
 """Seconds to wait for a scheduler, for its first worker, and for a point before one looks whether there are workers."""
 AHEAD = 2
 """Points under way for each thread of the cluster, so that no worker waits for its next."""
+ADDRESS = re.compile(r"((tcp|ws)://)?([\w.-]+|\[[0-9A-Fa-f:.]+\]):\d{1,5}/?")
+"""What a scheduler's address looks like; encrypted ones would need certificates."""
 LOST = (OSError, CancelledError, ClosedClientError)
 """Exceptions by which a lost scheduler shows."""
 
@@ -140,6 +143,8 @@ def connect(address: str) -> Iterator[Cluster]:
         If it cannot be reached, or has no workers.
     """
     start = "start one with `dask scheduler`, or leave --scheduler out to use this machine's processes"
+    if not ADDRESS.fullmatch(address):  # which Dask would tell after a while, in tracebacks
+        raise LtcgearError(f"--scheduler {address}: is no address such as tcp://10.0.0.5:8786; {start}")
     try:
         make: Any = Client  # which has no types
         client = make(address, timeout=PATIENCE, set_as_default=False)

@@ -169,7 +169,10 @@ class Store:
         rows.attrs = {**self.attributes, "status": DONE}
         for variable in rows.variables.values():
             variable.encoding = {}
-        save(rows, self.target)
+        try:
+            save(rows, self.target)
+        except LtcgearError as error:
+            raise LtcgearError(f"{error}; rows are kept: make room, then {GO_ON}") from error
         self.part.path.unlink()
 
 

@@ -315,6 +315,29 @@ def test_a_scheduler_that_is_not_there_is_told(tmp_path, monkeypatch):
         sweep(Template("lsp"), VARY, tmp_path / "a.nc", **{**FEW, "workers": None}, scheduler="tcp://127.0.0.1:9")
 
 
+@pytest.mark.parametrize("address", ["", "nope", "tcp://", "foo://bar:1", "a b:1", "tcp://here:port"])
+def test_what_is_no_address_is_refused_at_once(tmp_path, address):
+    with pytest.raises(LtcgearError, match="is no address such as tcp://"):
+        sweep(Template("lsp"), VARY, tmp_path / "a.nc", **{**FEW, "workers": None}, scheduler=address)
+
+
+def test_rows_are_kept_where_the_file_cannot_be_written(tmp_path, monkeypatch):
+    """As on a full disk: HDF5 then fails with a RuntimeError of NetCDF's."""
+    write = xr.Dataset.to_netcdf
+
+    def fail(self, *args, **options):
+        if options.get("format") == "NETCDF3_64BIT":  # the rows under way
+            return write(self, *args, **options)
+        raise RuntimeError("NetCDF: HDF error")
+
+    with monkeypatch.context() as full:
+        full.setattr(xr.Dataset, "to_netcdf", fail)
+        with pytest.raises(LtcgearError, match=r"HDF error; rows are kept: make room, then run the same command again"):
+            sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.part.nc"]
+    assert sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)["computed"] == 0
+
+
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
     """A small sweep that is done, and one that was stopped."""
