@@ -118,6 +118,15 @@ def test_what_is_asked_early_does_not_stay(cs, make):
     assert instance["time"] == 0.25 + STEP
 
 
+def test_a_tolerance_beyond_the_ends_is_the_nearest(cs, make):
+    told = (1e-14, 1e-13, 1e-6, 0.1, 10.0, 0.0, -1.0, float("nan"))
+    found = [make(cs).initialise(tolerance=rtol).step(0, 20).tolist() for rtol in told]
+    assert found[0] == found[1]
+    assert found[3] == found[4]
+    assert found[5] == found[6] == found[7] == found[2]  # the default
+    assert len({str(forces) for forces in found}) == 3
+
+
 def test_rates_are_those_of_the_equations(me, pair, make):
     instance = make(me).initialise()
     rhs, rng = Kernel(pair.library.functions["rhs"]), np.random.default_rng(0)
