@@ -112,6 +112,12 @@ static int test_lost_states(void) {
   CHECK(model->n_levels > 0 && !ltcgear_start(run, 0));
   ltcgear_state(run, x);
   CHECK(!ltcgear_update(run, 0, x, 0) && !ltcgear_indicators(run, 0, x, z) && !ltcgear_outputs(run, 0, x, y));
+  const double angle = x[model->angle];
+  x[model->angle] = NAN; /* on which the meshes hang, and no contact does */
+  CHECK(ltcgear_indicators(run, 0, x, z) && ltcgear_outputs(run, 0, x, y) && ltcgear_update(run, 0, x, 0));
+  CHECK(isnan(z[0]) && isfinite(z[2 * model->n_levels]));
+  x[model->angle] = angle;
+  CHECK(!ltcgear_indicators(run, 0, x, z) && !ltcgear_outputs(run, 0, x, y));
   for (ltcgear_whole i = 0; i < model->n_states; ++i) x[i] = NAN;
   CHECK(ltcgear_indicators(run, 0, x, z) && ltcgear_outputs(run, 0, x, y) && ltcgear_update(run, 0, x, 0));
   ltcgear_destroy(run);
