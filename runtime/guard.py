@@ -14,7 +14,7 @@ Vector = NDArray[np.float64]
 REACH = 3.5
 """Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Tsitouras is stable."""
 MOST_STEPS = 1e9
-"""Steps above which a run is refused: more than an hour of the smallest scenes."""
+"""Steps above which a run is refused: minutes for the smallest scenes, hours for large ones."""
 
 
 STIFFEST = 5e4

@@ -1051,8 +1051,8 @@ static const char *const FAULT[] = {
 
 /* What may go wrong besides the faults of a march, in the order of their texts. */
 enum {
-  NOT_STARTED = STOPPED + 1, HAS_STARTED, NO_SUCH, FIXED, NOT_A_NUMBER, NOT_POSITIVE, NOT_AHEAD, NO_MEMORY, NO_FREEDOM,
-  LOOSE, OVERLAPPING, UNSETTLED, FOREIGN, STATUSES
+  NOT_STARTED = STOPPED + 1, HAS_STARTED, NO_SUCH, FIXED, NOT_A_NUMBER, NOT_POSITIVE, NEGATIVE, NO_SHARE, NOT_AHEAD,
+  NO_MEMORY, NO_FREEDOM, LOOSE, OVERLAPPING, UNSETTLED, FOREIGN, DAMAGED, STATUSES
 };
 static const char *const REASON[] = {
     "the run has not been started",
@@ -1060,7 +1060,9 @@ static const char *const REASON[] = {
     "there is no such parameter or table",
     "this parameter follows from the structure of the gearbox: change the scene and generate its C again",
     "the value is not finite",
-    "an inertia must be positive",
+    "a mass or an inertia must be positive",
+    "a stiffness or a damping must not be negative",
+    "a share must lie between 0 and 1",
     "the time lies behind, or the samples are none",
     "there is no memory left",
     "nothing can vibrate: every freedom of the scene is held",
@@ -1068,6 +1070,7 @@ static const char *const REASON[] = {
     "no equilibrium: a centre distance falls below the base circles' sum",
     "no equilibrium was found; check parameters and loads",
     "these are not the bytes of a run of this model",
+    "the bytes of the run are damaged",
 };
 
 /* A table that is steered: its own rows. */
@@ -1212,16 +1215,23 @@ ltcgear_run *ltcgear_create(const ltcgear_model *model, double rtol) {
 
 void ltcgear_destroy(ltcgear_run *run) { free(run); }
 
+/* What is wrong with a parameter's value. */
+static int fault_of(const ltcgear_model *model, whole parameter, double value) {
+  const double least = model->parameter_least[parameter], most = model->parameter_most[parameter];
+  if (!isfinite(value)) return NOT_A_NUMBER;
+  if (value >= least && value <= most) return DONE;
+  if (most < 1) return NO_SHARE;
+  return least > 0 ? NOT_POSITIVE : NEGATIVE;
+}
+
 int ltcgear_set(ltcgear_run *run, ltcgear_whole parameter, double value) {
   const ltcgear_model *model = run->model;
   if (run->started) return HAS_STARTED;
   if (parameter < 0 || parameter >= model->n_parameters) return NO_SUCH;
   if (model->parameter_fixed[parameter]) return FIXED;
-  if (!isfinite(value)) return NOT_A_NUMBER;
-  for (whole i = 0; i < model->n_freedoms; ++i)
-    if (model->freedoms[i].inertia == parameter && !(value > 0)) return NOT_POSITIVE;
-  run->parameters[parameter] = value;
-  return DONE;
+  int fault = fault_of(model, parameter, value);
+  if (!fault) run->parameters[parameter] = value;
+  return fault;
 }
 
 double ltcgear_get(const ltcgear_run *run, ltcgear_whole parameter) {
@@ -1870,122 +1880,6 @@ int ltcgear_start(ltcgear_run *run, double time) {
   return DONE;
 }
 
-/* A run under way: from knot to knot of the loads and from turn to turn of the reference. */
-
-#define CAPACITY 512 /* samples that wait to be taken; no segment holds more than half of them */
-
-/* Who takes samples, and where. */
-typedef struct {
-  ltcgear_taker take;
-  void *to;
-  double *x;
-} taker;
-
-/* Tell the march how the loads run up to their next knot, or to a time before it. */
-static void begin_leg(ltcgear_run *run, double until) {
-  march *m = &run->m;
-  take_turns_off(run);
-  m->base = m->time, m->knot = smaller(knot_after(run, m->time), until);
-  signals_at(run, m->base, 1, m->signals);
-  signal_rates(run, m->base, m->slope);
-  signals_at(run, m->knot, 0, m->signals_knot);
-}
-
-/* Evaluate the outputs of a state, whose angle lacks the turns taken off; the state decides on which sides contacts are. */
-static int read_outputs(ltcgear_run *run, double time, const double *x, const double *levels, double *y) {
-  const ltcgear_model *model = run->model;
-  march *m = &run->m;
-  memcpy(m->s_now, levels, (size_t)m->n_levels * sizeof *levels);
-  signals_at(run, time, 1, m->s_now + m->n_levels);
-  for (whole g = 0; g < m->n_holds; ++g) m->p[m->hold_index[g]] = 0;
-  run->output.res[0] = y;
-  int fault = call(&run->output, x, m->s_now, m->p) ? NOT_FINITE : DONE;
-  hold(m);
-  for (whole c = 0; c < model->n_clocks; ++c)
-    if (model->clocks[c].output >= 0) y[model->clocks[c].output] += (double)run->cycles[c];
-  return fault;
-}
-
-/* Hand on the samples that wait. */
-static int hand_on(ltcgear_run *run, const taker *t) {
-  march *m = &run->m;
-  for (whole k = 0; k < m->filled; ++k) {
-    memcpy(t->x, m->sample_x + k * m->n, (size_t)m->n * sizeof *t->x);
-    int fault = read_outputs(run, m->sample_time[k], t->x, m->sample_levels + k * m->n_levels, run->y);
-    if (m->angle >= 0) t->x[m->angle] += TURN * (double)run->turns;
-    if (!fault) fault = t->take(t->to, m->sample_time[k], t->x, run->y);
-    if (fault) return fault;
-  }
-  m->filled = 0;
-  return DONE;
-}
-
-/* Where a switching has ended an arc just before a time, by no more than samples are taken late, the arc has ended there;
- * what is missing is made up for with the next one. */
-static void meet(march *m, double until) {
-  double missing = until - m->time;
-  if (!(missing > 0) || missing > 1e-12 * m->reached) return;
-  m->time = until, m->unpassed -= missing;
-}
-
-/* March to a time. A segment holds no more samples than there is room for. */
-static int go_on(ltcgear_run *run, double until, const taker *t) {
-  march *m = &run->m;
-  if (!run->started) return NOT_STARTED;
-  if (!isfinite(until)) return NOT_A_NUMBER;
-  if (until < m->time) return NOT_AHEAD;
-  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
-  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
-  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
-  while (m->time < until) {
-    begin_leg(run, until);
-    int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t) : DONE;
-    if (fault || taken) return fault ? fault : taken;
-    meet(m, until);
-  }
-  return DONE;
-}
-
-int ltcgear_advance(ltcgear_run *run, double until) { return go_on(run, until, 0); }
-
-int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker take, void *to) {
-  march *m = &run->m;
-  const whole n = m->n;
-  if (!run->started) return NOT_STARTED;
-  if (!(rate > 0) || !isfinite(rate)) return NOT_AHEAD;
-  double *samples = malloc((size_t)(CAPACITY * (n + m->n_levels + 2) + n) * sizeof *samples);
-  if (!samples) return NO_MEMORY;
-  m->sample_x = samples + n, m->sample_levels = m->sample_x + CAPACITY * n;
-  m->sample_time = m->sample_levels + CAPACITY * m->n_levels, m->sample_steps = m->sample_time + CAPACITY;
-  m->capacity = CAPACITY, m->last = LLONG_MAX, m->sampling = rate, m->filled = 0;
-  m->done = (whole)floor(m->time * rate * (1 + 1e-12)) + 1;
-  int fault = go_on(run, until, &(taker){take, to, samples});
-  stop_sampling(m);
-  free(samples);
-  return fault;
-}
-
-double ltcgear_time(const ltcgear_run *run) { return run->m.time; }
-
-void ltcgear_state(const ltcgear_run *run, double *x) {
-  const march *m = &run->m;
-  for (whole i = 0; i < m->n; ++i) x[i] = m->origin[i] + m->scale[i] * m->z[i];
-  if (m->angle >= 0) x[m->angle] += TURN * (double)run->turns;
-}
-
-int ltcgear_read(ltcgear_run *run, double *y) {
-  march *m = &run->m;
-  if (!run->started) return NOT_STARTED;
-  place(m, m->z);
-  for (whole i = 0; i < m->n_levels; ++i) m->gain[i] = (double)(m->arc_cells[i] & 1);
-  return read_outputs(run, m->time, m->x, m->gain, y);
-}
-
-ltcgear_whole ltcgear_steps(const ltcgear_run *run) { return run->m.steps; }
-ltcgear_whole ltcgear_switchings(const ltcgear_run *run) { return run->m.events; }
-
-double ltcgear_expected_steps(const ltcgear_run *run, double seconds) { return seconds * run->quickest / REACH; }
-
 /* Saved runs: all that a run needs to go on as if it had not stopped. */
 
 enum { COUNTING, SAVING, RESTORING };
@@ -2030,24 +1924,176 @@ static void pass_run(ltcgear_run *run, passage *all) {
 /* The bytes that a saved run begins with: its model's key. */
 static size_t key_size(const ltcgear_run *run) { return strlen(run->model->key) + 1; }
 
-size_t ltcgear_size(const ltcgear_run *run) {
+/* All bytes but those of the checksum. */
+static size_t sealed_size(const ltcgear_run *run) {
   passage all = {0, key_size(run), COUNTING};
   pass_run((ltcgear_run *)run, &all); /* which is only read */
   return all.used;
 }
 
+unsigned long long ltcgear_checksum(const void *bytes, size_t size) {
+  unsigned long long sum = 0xcbf29ce484222325u;
+  for (const unsigned char *c = bytes, *end = c + size; c < end; ++c) sum = (sum ^ *c) * 0x100000001b3u;
+  return sum;
+}
+
+size_t ltcgear_size(const ltcgear_run *run) { return sealed_size(run) + sizeof(unsigned long long); }
+
 void ltcgear_save(const ltcgear_run *run, void *to) {
   passage all = {to, key_size(run), SAVING};
   memcpy(to, run->model->key, key_size(run));
   pass_run((ltcgear_run *)run, &all); /* which is only read */
+  unsigned long long sum = ltcgear_checksum(to, all.used);
+  pass(&all, &sum, sizeof sum);
 }
 
 int ltcgear_restore(ltcgear_run *run, const void *from) {
   passage all = {(unsigned char *)from, key_size(run), RESTORING}; /* which is only read */
+  const size_t size = sealed_size(run);
+  unsigned long long sum = ltcgear_checksum(from, size);
   if (memcmp(from, run->model->key, key_size(run))) return FOREIGN;
+  if (memcmp(all.front + size, &sum, sizeof sum)) return DAMAGED;
   pass_run(run, &all);
   return DONE;
 }
+
+/* A run under way: from knot to knot of the loads and from turn to turn of the reference. */
+
+#define CAPACITY 512 /* samples that wait to be taken; no segment holds more than half of them */
+
+/* Who takes samples, where, and what a march may go back to: the run as it was before the samples that wait. */
+typedef struct {
+  ltcgear_taker take;
+  void *to;
+  double *x;
+  unsigned char *before;
+} taker;
+
+static int all_finite(whole count, const double *values) {
+  for (whole i = 0; i < count; ++i)
+    if (!isfinite(values[i])) return 0;
+  return 1;
+}
+
+/* Tell the march how the loads run up to their next knot, or to a time before it. */
+static void begin_leg(ltcgear_run *run, double until) {
+  march *m = &run->m;
+  take_turns_off(run);
+  m->base = m->time, m->knot = smaller(knot_after(run, m->time), until);
+  signals_at(run, m->base, 1, m->signals);
+  signal_rates(run, m->base, m->slope);
+  signals_at(run, m->knot, 0, m->signals_knot);
+}
+
+/* Evaluate the outputs of a state, whose angle lacks the turns taken off; the state decides on which sides contacts are. */
+static int read_outputs(ltcgear_run *run, double time, const double *x, const double *levels, double *y) {
+  const ltcgear_model *model = run->model;
+  march *m = &run->m;
+  memcpy(m->s_now, levels, (size_t)m->n_levels * sizeof *levels);
+  signals_at(run, time, 1, m->s_now + m->n_levels);
+  for (whole g = 0; g < m->n_holds; ++g) m->p[m->hold_index[g]] = 0;
+  run->output.res[0] = y;
+  call(&run->output, x, m->s_now, m->p);
+  hold(m);
+  for (whole c = 0; c < model->n_clocks; ++c)
+    if (model->clocks[c].output >= 0) y[model->clocks[c].output] += (double)run->cycles[c];
+  return all_finite(model->n_outputs, y) ? DONE : NOT_FINITE;
+}
+
+/* Hand on the samples that wait; where that ends, ``last`` is the time of the sample. */
+static int hand_on(ltcgear_run *run, const taker *t, double *last) {
+  march *m = &run->m;
+  for (whole k = 0; k < m->filled; ++k) {
+    *last = m->sample_time[k];
+    memcpy(t->x, m->sample_x + k * m->n, (size_t)m->n * sizeof *t->x);
+    int fault = read_outputs(run, m->sample_time[k], t->x, m->sample_levels + k * m->n_levels, run->y);
+    if (m->angle >= 0) t->x[m->angle] += TURN * (double)run->turns;
+    if (fault) return fault;
+    fault = t->take(t->to, m->sample_time[k], t->x, run->y);
+    if (fault) return fault > 0 ? -fault : fault; /* no status of ours is negative */
+  }
+  m->filled = 0;
+  return DONE;
+}
+
+/* Where a switching has ended an arc just before a time, by no more than samples are taken late, the arc has ended there;
+ * what is missing is made up for with the next one. */
+static void meet(march *m, double until) {
+  double missing = until - m->time;
+  if (!(missing > 0) || missing > 1e-12 * m->reached) return;
+  m->time = until, m->unpassed -= missing;
+}
+
+static int go_on(ltcgear_run *run, double until, const taker *t);
+
+/* Go to a sample that was read off the way that the run has come: none after it is passed over. */
+static void go_back(ltcgear_run *run, const taker *t, double sample) {
+  pass_run(run, &(passage){t->before, 0, RESTORING});
+  stop_sampling(&run->m);
+  go_on(run, sample, 0);
+}
+
+/* March to a time. A segment holds no more samples than there is room for. */
+static int go_on(ltcgear_run *run, double until, const taker *t) {
+  march *m = &run->m;
+  if (!run->started) return NOT_STARTED;
+  if (!isfinite(until)) return NOT_A_NUMBER;
+  if (until < m->time) return NOT_AHEAD;
+  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
+  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
+  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
+  while (m->time < until) {
+    double last;
+    if (t) pass_run(run, &(passage){t->before, 0, SAVING});
+    begin_leg(run, until);
+    int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t, &last) : DONE;
+    if (taken) go_back(run, t, last);
+    if (taken || fault) return taken ? taken : fault;
+    meet(m, until);
+  }
+  return DONE;
+}
+
+int ltcgear_advance(ltcgear_run *run, double until) { return go_on(run, until, 0); }
+
+int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker take, void *to) {
+  march *m = &run->m;
+  const whole n = m->n;
+  if (!run->started) return NOT_STARTED;
+  if (!(rate > 0) || !isfinite(rate)) return NOT_AHEAD;
+  const whole reals = CAPACITY * (n + m->n_levels + 2) + n;
+  double *samples = malloc((size_t)reals * sizeof *samples + ltcgear_size(run));
+  if (!samples) return NO_MEMORY;
+  m->sample_x = samples + n, m->sample_levels = m->sample_x + CAPACITY * n;
+  m->sample_time = m->sample_levels + CAPACITY * m->n_levels, m->sample_steps = m->sample_time + CAPACITY;
+  m->capacity = CAPACITY, m->last = LLONG_MAX, m->sampling = rate, m->filled = 0;
+  m->done = (whole)floor(m->time * rate * (1 + 1e-12)) + 1;
+  int fault = go_on(run, until, &(taker){take, to, samples, (unsigned char *)(samples + reals)});
+  stop_sampling(m);
+  free(samples);
+  return fault;
+}
+
+double ltcgear_time(const ltcgear_run *run) { return run->m.time; }
+
+void ltcgear_state(const ltcgear_run *run, double *x) {
+  const march *m = &run->m;
+  for (whole i = 0; i < m->n; ++i) x[i] = m->origin[i] + m->scale[i] * m->z[i];
+  if (m->angle >= 0) x[m->angle] += TURN * (double)run->turns;
+}
+
+int ltcgear_read(ltcgear_run *run, double *y) {
+  march *m = &run->m;
+  if (!run->started) return NOT_STARTED;
+  place(m, m->z);
+  for (whole i = 0; i < m->n_levels; ++i) m->gain[i] = (double)(m->arc_cells[i] & 1);
+  return read_outputs(run, m->time, m->x, m->gain, y);
+}
+
+ltcgear_whole ltcgear_steps(const ltcgear_run *run) { return run->m.steps; }
+ltcgear_whole ltcgear_switchings(const ltcgear_run *run) { return run->m.events; }
+
+double ltcgear_expected_steps(const ltcgear_run *run, double seconds) { return seconds * run->quickest / REACH; }
 
 /* For integrators of other people: rates with everything held that would bend or jump, indicators that tell when that is
  * no longer right, and the events at which it changes. Both ways over a border it is passed a little late, by a margin in
@@ -2066,12 +2112,6 @@ static void pose_states(ltcgear_run *run, double time, const double *x) {
   if (m->angle >= 0) m->x[m->angle] -= TURN * (double)run->turns;
   for (whole i = 0; i < m->n_levels; ++i) m->s[i] = (double)(m->cells[i] & 1);
   for (whole i = 0; i < m->n_signals; ++i) m->s[m->n_levels + i] = m->signals[i] + m->slope[i] * (time - m->base);
-}
-
-static int all_finite(whole count, const double *values) {
-  for (whole i = 0; i < count; ++i)
-    if (!isfinite(values[i])) return 0;
-  return 1;
 }
 
 /* Evaluate the mesh phases, their rates and shares at the states that were placed. */
@@ -2144,7 +2184,7 @@ int ltcgear_outputs(ltcgear_run *run, double time, const double *x, double *y) {
     whole place = run->model->clocks[c].output;
     if (place >= 0) y[place] += (double)run->cycles[c];
   }
-  return DONE;
+  return all_finite(run->model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 
 ltcgear_whole ltcgear_indicator_count(const ltcgear_run *run) { return 2 * run->m.n_levels + run->m.n_holds; }
@@ -2160,18 +2200,18 @@ int ltcgear_indicators(ltcgear_run *run, double time, const double *x, double *z
     z[2 * i] = upper(m->cells[i], share[i]) - tau[i] + near;
     z[2 * i + 1] = tau[i] - lower(m->cells[i], share[i]) + near;
   }
-  z += 2 * m->n_levels;
-  seen(m, m->x, m->s, z);
-  for (whole g = 0; g < m->n_holds; ++g) z[g] += margin(m, g);
-  return all_finite(ltcgear_indicator_count(run) - 2 * m->n_levels, z) ? DONE : NOT_FINITE;
+  double *borders = z + 2 * m->n_levels;
+  seen(m, m->x, m->s, borders);
+  for (whole g = 0; g < m->n_holds; ++g) borders[g] += margin(m, g);
+  return all_finite(ltcgear_indicator_count(run), z) ? DONE : NOT_FINITE;
 }
 
 int ltcgear_update(ltcgear_run *run, double time, const double *x, int *changed) {
   march *m = &run->m;
   if (!run->started) return NOT_STARTED;
   begin_at(run, time);
-  pose_states(run, time, x);
   if (!all_finite(m->n, x)) return NOT_FINITE;
+  pose_states(run, time, x);
   find_now(m);
   int any = pass_borders(m) > 0;
   for (int round = 0; round < ROUNDS && pass_sides(m); ++round) any = 1;

@@ -104,7 +104,7 @@ int main(int count, char **arguments) {
   const ltcgear_model *model = &ltcgear_scene;
   double t_end = model->t_end, *room;
   int first = count > 1 && read_number(arguments[1], &t_end) ? 2 : 1, code = 0;
-  if (!(t_end * model->rate >= 1 && t_end < 1e7)) return refuse(arguments[1], "give a time of one sample to 1e7 s");
+  if (!(t_end * model->rate >= 1 && t_end < 1e7)) return refuse(first > 1 ? arguments[1] : model->name, "give a time of one sample to 1e7 s");
   ltcgear_run *run = ltcgear_create(model, 1e-6);
   room = calloc(3 * (size_t)model->n_forces + 1, sizeof *room);
   if (!run || !room) code = refuse(model->name, "there is no memory left");

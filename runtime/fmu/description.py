@@ -142,7 +142,8 @@ def _roles(variable: Variable) -> dict[str, str]:
 def _numbers(variable: Variable) -> dict[str, str]:
     """Return a variable's unit and numbers, as both versions name them."""
     numbers: Sequence[tuple[str, float | None]] = (
-        ("start", variable.start), ("min", variable.lowest), ("nominal", variable.nominal),
+        ("start", variable.start), ("min", variable.lowest), ("max", variable.highest),
+        ("nominal", variable.nominal),
     )  # fmt: skip
     said = {"unit": variable.unit} if variable.unit else {}
     said |= {key: repr(value) for key, value in numbers if value is not None}

@@ -1,6 +1,5 @@
 """Sources: the C of an FMU."""
 
-import math
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -14,8 +13,6 @@ OWN = {False: ("fmu.h", "fmu.c", "fmi2types.h", "fmi2.c"), True: ("fmu.h", "fmu.
 """Whether it is for model exchange -> files that a plain C user does not need."""
 HEAD = """/* The variables of an FMU, see fmu.h. */
 #include "fmu.h"
-
-#include <math.h>
 """
 
 
@@ -35,14 +32,13 @@ def write_variables(interface: Interface, token: str) -> str:
     states = [state.name for state in interface.manifest.states]
     arrays: dict[str, tuple[str, Iterable[object]]] = {
         "first": ("unsigned", interface.first),
-        "lowest": ("double", [_real(value) for value in interface.lowest]),
-        "nominal": ("double", map(_real, interface.nominal)),
-        "angle_ratio": ("double", map(_real, interface.ratios)),
+        "nominal": ("double", map(float, interface.nominal)),
+        "angle_ratio": ("double", map(float, interface.ratios)),
         "angle_twist": ("ltcgear_whole", [place for place, _ in interface.rotors]),
         "input_table": ("ltcgear_whole", [item.table for item in interface.inputs]),
         "input_slope": ("unsigned char", [int(item.slope) for item in interface.inputs]),
         "input_ramp": ("unsigned char", [int(item.ramps) for item in interface.inputs]),
-        "input_start": ("double", [_real(item.start) for item in interface.inputs]),
+        "input_start": ("double", [item.start for item in interface.inputs]),
     }
     reference = states.index("reference.angle") if "reference.angle" in states else -1
     fields = {"token": f'"{token}"', **{name: name for name in arrays}, "reference": reference}
@@ -56,8 +52,3 @@ def _array(kind: str, name: str, items: Iterable[object]) -> str:
     texts = list(map(str, items)) or ["0"]
     rows = (", ".join(texts[i : i + 8]) for i in range(0, len(texts), 8))
     return f"static const {kind} {name}[] = {{\n  " + ",\n  ".join(rows) + "};"
-
-
-def _real(value: float) -> str:
-    """Write a number, to the last bit."""
-    return "-INFINITY" if value == -math.inf else repr(float(value))

@@ -1,6 +1,5 @@
 """Variables: what an importer sees of a model, in the order of the value references."""
 
-import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ from ltcgear.generated.errors import LtcgearError
 from ..dataset import speed_ratio
 from ..equilibrium import find_equilibrium
 from ..library import Library
+from ..plain.bounds import ANY, bounds_of
 from ..plain.data import Run, fixed_parameters
 from ..quantities import LONG_NAMES
 from ..scaling import vibration_scale
@@ -23,12 +23,6 @@ COUNTS = {
     "switchings": "tooth pairs that have come or gone so far",
     "regime_changes": "contacts that have opened or closed, and friction forces that have turned, so far",
 }
-POSITIVE = ("kg", "kg*m^2")
-"""Units of what must be positive."""
-NOT_NEGATIVE = ("stiffness", "stiffness_single", "stiffness_double", "damping")
-"""Last parts of names of what must not be negative."""
-SMALLEST = 2.2250738585072014e-308
-"""The smallest positive normal number, least value of what must be positive."""
 OVER_TIME = "_over_time"
 INITIAL_SPEED = "reference.initial_speed"
 DUTY = "the user's duty: the rate of the speed beside it, zero while that is constant"
@@ -47,6 +41,7 @@ class Variable:
     initial: str = ""
     start: float | None = None
     lowest: float | None = None
+    highest: float | None = None
     nominal: float | None = None
     derivative: int | None = None
     description: str = ""
@@ -96,7 +91,7 @@ class Interface:
         self.at = find_equilibrium(library, self.p, tables=run.tables)
         self.nominal = [float(size) for size in vibration_scale(library, self.at, self.p)]
         self.fixed = fixed_parameters(library.manifest)
-        self.lowest = [_lowest(name, unit) for name, unit in self.manifest.parameters]
+        self.bounds = [bounds_of(name, unit) for name, unit in self.manifest.parameters]
         self.inputs = list(_inputs(self.manifest, run, inputs, exchange))
         self.rotors = [(i, r.item) for i, r in enumerate(self.manifest.reports) if r.quantity == "twist"]
         number = dict(zip((name for name, _ in self.manifest.parameters), self.p.tolist(), strict=True))
@@ -153,12 +148,13 @@ class Interface:
             if self.fixed[i]:
                 yield None
                 continue
-            low = None if self.lowest[i] == -math.inf else self.lowest[i]
+            low, high = (None if abs(bound) == ANY else bound for bound in self.bounds[i])
             # Where the speed of the reference is free, it is a state, and the parameter what it begins with.
             name = INITIAL_SPEED if any(state.name == name for state in self.manifest.states) else name
             yield Variable(
-                "parameter", structure(name), first + i, unit, "parameter", "fixed", "exact", float(self.p[i]), low
-            )
+                "parameter", structure(name), first + i, unit, "parameter", "fixed", "exact", start=float(self.p[i]),
+                lowest=low, highest=high,
+            )  # fmt: skip
 
     def _outputs(self, first: int) -> Iterator[Variable]:
         for i, report in enumerate(self.manifest.reports, start=first):
@@ -207,13 +203,6 @@ def _inputs(manifest: Manifest, run: Run, wanted: Sequence[str], exchange: bool)
         yield Input(name, units[False], float(run.tables[table][0][1]), tables.index(table), False)
         if exchange and True in units:
             yield Input(f"{name.rpartition('.')[0]}.acceleration", units[True], 0.0, tables.index(table), True)
-
-
-def _lowest(name: str, unit: str) -> float:
-    """Return what a parameter may be at least."""
-    if unit in POSITIVE:
-        return SMALLEST
-    return 0.0 if name.rsplit(".", 1)[-1] in NOT_NEGATIVE else -math.inf
 
 
 def _describe_state(name: str) -> str:

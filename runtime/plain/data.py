@@ -15,6 +15,7 @@ from ..equilibrium import CLOSING, PULL, VARYING, Vector, find_equilibrium
 from ..library import Library
 from ..sensitivity.ranking import is_continuous
 from ..signals import Pairs, insert_zeros
+from .bounds import bounds_of
 
 HEAD = """/* The scene {name}: names, numbers, loaded equilibrium; written by `ltcgear generate`, see ltcgear.h. */
 #include "ltcgear.h"
@@ -78,6 +79,11 @@ def fixed_parameters(manifest: Manifest) -> list[bool]:
     return [not is_continuous(name) or name in tied for name, _ in manifest.parameters]
 
 
+def _bounds(manifest: Manifest) -> Iterable[Iterable[str]]:
+    """Return the least and the most values of all parameters."""
+    return zip(*(map(_real, bounds_of(name, unit)) for name, unit in manifest.parameters), strict=True)
+
+
 def _functions() -> list[str]:
     """Declare the functions of model.c."""
     lines = []
@@ -112,6 +118,7 @@ def _places(library: Library, p: Vector) -> list[str]:
     )
     return [
         _array("unsigned char", "fixed", map(int, fixed_parameters(manifest))),
+        *(_array("double", name, values) for name, values in zip(("least", "most"), _bounds(manifest), strict=True)),
         _array("ltcgear_freedom", "freedoms", freedoms),
         _array("ltcgear_clock", "clocks", (_clock(manifest, course) for course in read_courses(manifest, p)), "\n  "),
         _array("ltcgear_whole", "holds", map(names.index, manifest.holds)),
@@ -177,6 +184,7 @@ def _model(library: Library, name: str, key: str, run: Run) -> str:
         **{f"n_{kind}": len(items) for kind, items in sizes.items()},
         **{kind: f"{kind}_labels" for kind in ("states", "parameters", "outputs")},
         **{field: field for field in SAME}, "parameter_values": "values", "parameter_fixed": "fixed",
+        "parameter_least": "least", "parameter_most": "most",
         **{field: f"{{{function}, {function}_work}}" for field, function in CODES.items()}, **places,
     }  # fmt: skip
     lines = "".join(f"  .{field} = {value},\n" for field, value in fields.items())

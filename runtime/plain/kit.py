@@ -9,7 +9,7 @@ from .. import continuation, equilibrium, guard, march, regimes, scaling, steppe
 from ..native import FAULTS, FIELDS, SOURCES, source
 
 PARTS = (
-    "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "advance.c", "saving.c",
+    "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "saving.c", "advance.c",
     "events.c",
 )  # fmt: skip
 """What follows the march in ltcgear.c."""

@@ -69,10 +69,59 @@ static int test_saving(void) {
   CHECK(!ltcgear_restore(two, kept) && ltcgear_time(two) == END / 3 && !ltcgear_advance(two, END));
   CHECK(fingerprint(one) == fingerprint(two) && ltcgear_steps(one) == ltcgear_steps(two));
   CHECK(!ltcgear_restore(one, kept) && !ltcgear_advance(one, END) && fingerprint(one) == fingerprint(two));
-  kept[0] ^= 1;
-  CHECK(ltcgear_restore(one, kept) && fingerprint(one) == fingerprint(two));
+  for (size_t i = 0; i < size; ++i) {
+    kept[i] ^= (unsigned char)(1 << i % 8);
+    CHECK(ltcgear_restore(one, kept) && fingerprint(one) == fingerprint(two));
+    kept[i] ^= (unsigned char)(1 << i % 8);
+  }
+  CHECK(!ltcgear_restore(one, kept) && fingerprint(one) != fingerprint(two));
   ltcgear_destroy(one), ltcgear_destroy(two);
   free(kept);
+  return 0;
+}
+
+static int count_on(void *to, double time, const double *x, const double *y) {
+  double *taken = to;
+  (void)x, (void)y;
+  if (!taken[0]) taken[1] = time;
+  taken[0] += 1, taken[2] = time;
+  return taken[0] == 3 ? 1 : 0;
+}
+
+/* Who stops taking samples misses none: the run is at the last one. */
+static int test_stopping(void) {
+  ltcgear_run *one = ltcgear_create(model, 1e-8), *two = ltcgear_create(model, 1e-8);
+  double first[3] = {0}, rest[3] = {4};
+  CHECK(!ltcgear_start(one, 0) && !ltcgear_start(two, 0) && !ltcgear_record(two, END, 1e4, count_on, rest));
+  CHECK(ltcgear_record(one, END, 1e4, count_on, first) == -1 && ltcgear_time(one) == 3e-4 && first[2] == 3e-4);
+  CHECK(!strcmp(ltcgear_reason(-1), "stopped by who takes the samples") && ltcgear_steps(one) < ltcgear_steps(two));
+  CHECK(!ltcgear_advance(two, END) && rest[0] == 4 + END * 1e4);
+  rest[0] = 0;
+  CHECK(ltcgear_record(one, END, 1e4, count_on, rest) == -1 && rest[1] == 4e-4 && rest[2] == 6e-4);
+  CHECK(!ltcgear_record(one, END, 1e4, count_on, rest) && rest[0] == END * 1e4 - 3 && rest[2] == END);
+  CHECK(fabs(fingerprint(one) / fingerprint(two) - 1) < 1e-6);
+  ltcgear_destroy(one), ltcgear_destroy(two);
+  return 0;
+}
+
+/* States that are not finite have neither indicators nor outputs. */
+static int test_lost_states(void) {
+  ltcgear_run *run = ltcgear_create(model, 1e-6);
+  double *x = malloc((size_t)model->n_states * sizeof *x), *y = malloc((size_t)model->n_outputs * sizeof *y);
+  double *z = malloc((size_t)ltcgear_indicator_count(run) * sizeof *z);
+  CHECK(model->n_levels > 0 && !ltcgear_start(run, 0));
+  ltcgear_state(run, x);
+  CHECK(!ltcgear_update(run, 0, x, 0) && !ltcgear_indicators(run, 0, x, z) && !ltcgear_outputs(run, 0, x, y));
+  const double angle = x[model->angle];
+  x[model->angle] = NAN; /* on which the meshes hang, and no contact does */
+  CHECK(ltcgear_indicators(run, 0, x, z) && ltcgear_outputs(run, 0, x, y) && ltcgear_update(run, 0, x, 0));
+  CHECK(isnan(z[0]) && isfinite(z[2 * model->n_levels]));
+  x[model->angle] = angle;
+  CHECK(!ltcgear_indicators(run, 0, x, z) && !ltcgear_outputs(run, 0, x, y));
+  for (ltcgear_whole i = 0; i < model->n_states; ++i) x[i] = NAN;
+  CHECK(ltcgear_indicators(run, 0, x, z) && ltcgear_outputs(run, 0, x, y) && ltcgear_update(run, 0, x, 0));
+  ltcgear_destroy(run);
+  free(x), free(y), free(z);
   return 0;
 }
 
@@ -95,4 +144,4 @@ static int test_refusals(void) {
   return 0;
 }
 
-int main(void) { return test_threads() || test_saving() || test_refusals(); }
+int main(void) { return test_threads() || test_saving() || test_stopping() || test_lost_states() || test_refusals(); }

@@ -1,143 +1,20 @@
-"""FMUs in FMPy: what they compute is what `simulate` computes, and what they refuse they refuse with a status."""
-
-import gc
-from pathlib import Path
+"""FMUs in FMPy: what they compute is what `simulate` computes."""
 
 import fmpy
 import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from fmpy.fmi3 import FMU3Model
 from fmpy.validation import validate_fmu
 from ltcgear.runtime.fmu.names import structure
 from ltcgear.runtime.kernel import Kernel
 
-from .rattling import RATE, SAMPLES, SCENE, SPEED, T_END, TORQUE, steer
-
-ERROR, DISCARD = 3, 2
-STEP = 1 / RATE
-FORCES = {"pair.mesh.mesh_force": "pair.mesh", "pair.mesh.back.mesh_force": "pair.mesh.back"}
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Make a folder for all of it."""
-    return tmp_path_factory.mktemp("fmu")
-
-
-@pytest.fixture(scope="module")
-def pair(folder):
-    """Load the pair that rattles."""
-    (folder / "rattle.toml").write_text(SCENE)
-    return steer(folder / "rattle.toml")
-
-
-@pytest.fixture(scope="module")
-def cs(folder, pair):
-    """Write it for co-simulation."""
-    pair.write(folder / "cs.fmu")
-    return folder / "cs.fmu"
-
-
-@pytest.fixture(scope="module")
-def me(folder, pair):
-    """Write it for model exchange."""
-    pair.write(folder / "me.fmu", kind="model-exchange")
-    return folder / "me.fmu"
+from .instances import FORCES, STEP, set_states
+from .rattling import SAMPLES, SPEED, T_END, TORQUE, steer
 
 
 @pytest.fixture(scope="module")
 def ours(pair):
     """Simulate it here."""
     return pair.simulate()
-
-
-class Instance:
-    """An instance of an FMU, variables by name."""
-
-    def __init__(self, path, unzipped):
-        self.description = fmpy.read_model_description(path)
-        self.reference = {v.name: v.valueReference for v in self.description.modelVariables}
-        kinds = {"2.0": (FMU2Slave, "coSimulation"), "3.0": (FMU3Model, "modelExchange")}
-        kind, part = kinds[self.description.fmiVersion]
-        self.two = kind is FMU2Slave
-        names = {"guid": self.description.guid, "unzipDirectory": str(unzipped), "instanceName": "gears"}
-        self.fmu = kind(modelIdentifier=getattr(self.description, part).modelIdentifier, **names)
-        self.said = []
-        self.instantiate()
-
-    def instantiate(self):
-        """Make it."""
-        if self.two:
-
-            def log(component, name, status, category, message):
-                self.said.append((status, message.decode()))
-
-            self.logger = fmi2CallbackLoggerTYPE(log)
-            self.callbacks = fmi2CallbackFunctions()
-            self.callbacks.logger = self.logger
-            self.fmu.instantiate(callbacks=self.callbacks)
-        else:
-            self.fmu.instantiate()
-
-    def initialise(self, tolerance=1e-9, **values):
-        """Set values and find the equilibrium."""
-        if self.two:
-            self.fmu.setupExperiment(tolerance=tolerance)
-        else:
-            self.fmu.enterInitializationMode(tolerance=tolerance)
-        for name, value in values.items():
-            self[name] = value
-        if self.two:
-            self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
-        return self
-
-    def __getitem__(self, name):
-        get = self.fmu.getReal if self.two else self.fmu.getFloat64
-        return get([self.reference[name]])[0]
-
-    def __setitem__(self, name, value):
-        setter = self.fmu.setReal if self.two else self.fmu.setFloat64
-        setter([self.reference[name]], [value])
-
-    def step(self, number, count=1):
-        """Go on over communication steps from one on; return the mesh forces after each."""
-        found = []
-        for k in range(number, number + count):
-            self.fmu.doStep(k * STEP, STEP)
-            found.append([self[name] for name in FORCES])
-        return np.array(found)
-
-    def state(self, what, *values):
-        """Call a function of FMU states, whose names FMPy writes differently in both versions."""
-        found = {name.lower(): name for name in dir(self.fmu)}
-        return getattr(self.fmu, found[f"{what}fmustate"])(*values)
-
-    def close(self):
-        """Free it."""
-        self.fmu.freeInstance()
-
-
-@pytest.fixture(scope="module")
-def unzipped(cs, me, folder):
-    """Unpack both."""
-    return {path: Path(fmpy.extract(str(path), str(folder / path.stem))) for path in (cs, me)}
-
-
-@pytest.fixture
-def make(unzipped):
-    """Make instances, and free them in the end."""
-    made = []
-
-    def maker(path):
-        made.append(Instance(path, unzipped[path]))
-        return made[-1]
-
-    yield maker
-    for instance in made:
-        instance.close()
 
 
 def run(path, **options):
@@ -241,6 +118,15 @@ def test_what_is_asked_early_does_not_stay(cs, make):
     assert instance["time"] == 0.25 + STEP
 
 
+def test_a_tolerance_beyond_the_ends_is_the_nearest(cs, make):
+    told = (1e-14, 1e-13, 1e-6, 0.1, 10.0, 0.0, -1.0, float("nan"))
+    found = [make(cs).initialise(tolerance=rtol).step(0, 20).tolist() for rtol in told]
+    assert found[0] == found[1]
+    assert found[3] == found[4]
+    assert found[5] == found[6] == found[7] == found[2]  # the default
+    assert len({str(forces) for forces in found}) == 3
+
+
 def test_rates_are_those_of_the_equations(me, pair, make):
     instance = make(me).initialise()
     rhs, rng = Kernel(pair.library.functions["rhs"]), np.random.default_rng(0)
@@ -259,12 +145,6 @@ def test_rates_are_those_of_the_equations(me, pair, make):
         s = [*levels, *(inputs[name.rpartition(".")[2]] for name in names)]
         theirs = np.array([instance[f"der({name})"] for name in states])
         assert theirs == pytest.approx(rhs(x, np.array(s), p)[0], rel=1e-12)
-
-
-def set_states(instance, x):
-    """Set the states of an instance for model exchange."""
-    values = (fmpy.fmi3.fmi3Float64 * len(x))(*x)
-    instance.fmu.setContinuousStates(values, len(x))
 
 
 def instance_level(instance):
@@ -297,51 +177,6 @@ def test_nothing_chatters(me, make):
     assert changed > 50
 
 
-def test_states_are_taken_up_again(cs, make):
-    one, other = make(cs).initialise(), make(cs).initialise()
-    one["loads.brake.torque"] = -170.0
-    one.step(0, 100)
-    kept = one.state("get")
-    data = one.state("serialize", kept)
-    first = one.step(100, 50)
-    one.state("set", kept)
-    one.state("free", kept)
-    assert np.array_equal(one.step(100, 50), first)
-    moved = other.state("deserialize", data)
-    other.state("set", moved)
-    other.state("free", moved)
-    assert other["loads.brake.torque"] == -170.0
-    assert np.array_equal(other.step(100, 50), first)
-
-
-def test_states_of_model_exchange_are_taken_up_again(me, make):
-    one, other = make(me).initialise(), make(me).initialise()
-    one.fmu.updateDiscreteStates()
-    one.fmu.enterContinuousTimeMode()
-    one["loads.motor.acceleration"], one["loads.motor.speed"] = 7.0, 150.0
-    set_states(one, [0.3, 1e-4, 0.2])
-    names = [v.name for v in one.description.modelVariables if v.causality in ("output", "local")]
-    kept = one.state("get")
-    data = one.state("serialize", kept)
-    one.state("free", kept)
-    moved = other.state("deserialize", data)
-    other.state("set", moved)
-    other.state("free", moved)
-    assert [other[name] for name in names] == [one[name] for name in names]
-
-
-def test_a_damaged_state_is_refused(cs, make):
-    instance = make(cs).initialise()
-    kept = instance.state("get")
-    data = instance.state("serialize", kept)
-    instance.state("free", kept)
-    for bad, why in ((data[:-8], "damaged"), (b"x" + data[1:], "another model"), (b"", "another model")):
-        with pytest.raises(FMICallException) as refused:
-            instance.state("deserialize", bad)
-        assert refused.value.status == ERROR
-        assert why in instance.said[-1][1]
-
-
 def test_instances_do_not_disturb_each_other(cs, make):
     alone = make(cs).initialise().step(0, 100)
     one, other = make(cs).initialise(), make(cs).initialise(**{"pair.mesh.stiffness_single": 1.5e8})
@@ -365,111 +200,3 @@ def test_steps_may_differ(cs, ours, make):
         time = k * STEP
         force = ours.dataset["mesh_force"].sel(mesh="pair.mesh").values[k]
         assert instance["pair.mesh.mesh_force"] == pytest.approx(force, rel=1e-6)
-
-
-WRONG = {
-    "pair.output.inertia": (0.0, "must be at least 2"),
-    "pair.input.inertia": (-1.0, "must be at least 2"),
-    "pair.mesh.stiffness_single": (-1.0, "must be at least 0"),
-    "pair.mesh.damping": (float("nan"), "not finite"),
-    "loads.brake.torque": (float("inf"), "not finite"),
-    "pair.mesh.mesh_force": (1.0, "calculated and cannot be set"),
-    "time": (1.0, "calculated and cannot be set"),
-}
-
-
-@pytest.mark.parametrize("kind", ["cs", "me"])
-def test_wrong_values_are_refused(kind, make, request):
-    instance = make(request.getfixturevalue(kind))
-    for name, (value, why) in WRONG.items():
-        if name not in instance.reference:
-            continue
-        with pytest.raises(FMICallException) as refused:
-            instance[name] = value
-        assert refused.value.status == ERROR
-        assert not instance.two or (instance.said[-1][0] == ERROR and why in instance.said[-1][1])
-    instance.initialise()
-    instance.reference["none"] = 10**6
-    for setting in (False, True):
-        with pytest.raises(FMICallException) as refused:
-            instance.__setitem__("none", 1.0) if setting else instance["none"]
-        assert refused.value.status == ERROR
-    with pytest.raises(FMICallException) as refused:
-        instance["pair.output.inertia"] = 0.05
-    assert refused.value.status == ERROR
-
-
-def test_fixed_parameters_are_no_variables(cs, pair, make):
-    instance = make(cs)
-    listed = {v.valueReference for v in instance.description.modelVariables}
-    gaps = set(range(max(listed))) - listed
-    assert len(gaps) > 3
-    for gap in gaps:
-        instance.reference["gap"] = gap
-        with pytest.raises(FMICallException):
-            instance["gap"] = 1.0
-        with pytest.raises(FMICallException):
-            instance["gap"]
-
-
-def test_functions_out_of_place_are_refused(cs, make):
-    instance = make(cs)
-    with pytest.raises(FMICallException):
-        instance.fmu.doStep(0.0, STEP)
-    instance.initialise()
-    for from_, step in ((0.5, STEP), (0.0, 0.0), (0.0, -STEP), (0.0, float("nan"))):
-        with pytest.raises(FMICallException) as refused:
-            instance.fmu.doStep(from_, step)
-        assert refused.value.status == ERROR
-    instance.step(0)  # and it goes on all the same
-
-
-def test_a_motion_that_cannot_be_followed_is_discarded(cs, make):
-    instance = make(cs).initialise()
-    instance["loads.brake.torque"] = 1e300
-    with pytest.raises(FMICallException) as failed:
-        instance.step(0, 10)
-    assert failed.value.status in (ERROR, DISCARD)
-    assert "the integration stopped at" in instance.said[-1][1]
-
-
-def test_an_impossible_equilibrium_is_an_error(cs, make):
-    instance = make(cs)
-    with pytest.raises(FMICallException) as failed:
-        instance.initialise(**{"pair.mesh.stiffness_single": 0.0, "pair.mesh.stiffness_double": 0.0})
-    assert failed.value.status == ERROR
-    assert "equilibrium" in instance.said[-1][1]
-
-
-def test_another_token_is_refused(cs, unzipped):
-    fmu = FMU2Slave(guid="other", unzipDirectory=str(unzipped[cs]), modelIdentifier="rattle", instanceName="gears")
-    with pytest.raises(Exception, match="instantiate"):
-        fmu.instantiate()
-
-
-@pytest.mark.parametrize("kind", ["cs", "me"])
-def test_memory_stays_flat(kind, make, request):
-    instance = make(request.getfixturevalue(kind))
-    free = instance.fmu.fmi2FreeInstance if instance.two else instance.fmu.fmi3FreeInstance
-
-    def use():
-        free(instance.fmu.component)
-        instance.instantiate()
-        instance.initialise(**{"pair.output.inertia": 0.05})
-        if instance.two:
-            instance.step(0, 3)
-        instance.state("free", instance.state("get"))
-
-    for _ in range(50):
-        use()
-    gc.collect()
-    before = resident()
-    for _ in range(100):
-        use()
-    gc.collect()
-    assert resident() - before < 100 * 2048  # an instance has more than 20 kB
-
-
-def resident():
-    """Return the memory of this process [bytes]."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * 4096

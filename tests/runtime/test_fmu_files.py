@@ -12,37 +12,8 @@ from fmpy.validation import validate_fmu
 from ltcgear.runtime.fmu.names import identify, structure
 from ltcgear.runtime.fmu.units import exponents
 
-from .rattling import SCENE, steer
-
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 NATIVE = Path(__file__).parents[2] / "runtime" / "native" / "plain"
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Make a folder for all of it."""
-    return tmp_path_factory.mktemp("fmu")
-
-
-@pytest.fixture(scope="module")
-def pair(folder):
-    """Load the pair that rattles."""
-    (folder / "rattle.toml").write_text(SCENE)
-    return steer(folder / "rattle.toml")
-
-
-@pytest.fixture(scope="module")
-def cs(folder, pair):
-    """Write it for co-simulation."""
-    pair.write(folder / "cs.fmu")
-    return folder / "cs.fmu"
-
-
-@pytest.fixture(scope="module")
-def me(folder, pair):
-    """Write it for model exchange."""
-    pair.write(folder / "me.fmu", kind="model-exchange")
-    return folder / "me.fmu"
 
 
 def test_both_are_valid(cs, me):

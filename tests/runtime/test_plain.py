@@ -118,6 +118,9 @@ def test_a_program_needs_the_c_library_only(rig):
         (["motor.inertia=x"], "no finite number"), (["motor.inertia=inf"], "no finite number"),
         (["motor.inertia=1e3x"], "no finite number"), (["motor.inertia="], "no finite number"),
         (["motor.speed_ratio=2"], "follows from the structure"), (["lsp.sun.mass=0"], "must be positive"),
+        (["lsp.sun_planet.stiffness_single=-1"], "must not be negative"), (["motor.inertia=-1"], "must be positive"),
+        (["psh.mesh.damping=-0.1"], "must not be negative"), (["psh.mesh.single_share=1"], "between 0 and 1"),
+        (["psh.mesh.single_share=0"], "between 0 and 1"), (["psh.mesh.single_share=-1"], "between 0 and 1"),
         (["lsp.sun_planet.1.phase=0.2"], "follows from the structure"), (["origin=1"], "follows from the structure"),
     ],
 )  # fmt: skip
@@ -127,6 +130,29 @@ def test_what_the_example_refuses(rig, arguments, told):
     assert told in err
     assert len(err.splitlines()) == 1
     assert err.startswith(arguments[-1] + ": ")
+
+
+ALONE = """
+#include "ltcgear.h"
+static ltcgear_model without_time;
+static const ltcgear_model *const scene = &ltcgear_scene;
+#define ltcgear_scene without_time
+#define main example
+#include "main.c"
+#undef main
+int main(void) {
+  without_time = *scene;
+  without_time.t_end = 0;
+  return example(1, (char *[]){"gearbox", 0});
+}
+"""
+
+
+def test_a_scene_without_time_is_refused_by_its_name(start_up):
+    folder = start_up[2]
+    (folder / "alone.c").write_text(ALONE, "utf-8")
+    out, err = execute(compiled(folder, "alone", main="alone.c"), code=2)
+    assert (out, err) == ("", "scene: give a time of one sample to 1e7 s\n")
 
 
 def test_nothing_holds_what_is_out_of_balance(place):

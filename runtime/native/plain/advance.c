@@ -2,12 +2,19 @@
 
 #define CAPACITY 512 /* samples that wait to be taken; no segment holds more than half of them */
 
-/* Who takes samples, and where. */
+/* Who takes samples, where, and what a march may go back to: the run as it was before the samples that wait. */
 typedef struct {
   ltcgear_taker take;
   void *to;
   double *x;
+  unsigned char *before;
 } taker;
+
+static int all_finite(whole count, const double *values) {
+  for (whole i = 0; i < count; ++i)
+    if (!isfinite(values[i])) return 0;
+  return 1;
+}
 
 /* Tell the march how the loads run up to their next knot, or to a time before it. */
 static void begin_leg(ltcgear_run *run, double until) {
@@ -27,22 +34,24 @@ static int read_outputs(ltcgear_run *run, double time, const double *x, const do
   signals_at(run, time, 1, m->s_now + m->n_levels);
   for (whole g = 0; g < m->n_holds; ++g) m->p[m->hold_index[g]] = 0;
   run->output.res[0] = y;
-  int fault = call(&run->output, x, m->s_now, m->p) ? NOT_FINITE : DONE;
+  call(&run->output, x, m->s_now, m->p);
   hold(m);
   for (whole c = 0; c < model->n_clocks; ++c)
     if (model->clocks[c].output >= 0) y[model->clocks[c].output] += (double)run->cycles[c];
-  return fault;
+  return all_finite(model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 
-/* Hand on the samples that wait. */
-static int hand_on(ltcgear_run *run, const taker *t) {
+/* Hand on the samples that wait; where that ends, ``last`` is the time of the sample. */
+static int hand_on(ltcgear_run *run, const taker *t, double *last) {
   march *m = &run->m;
   for (whole k = 0; k < m->filled; ++k) {
+    *last = m->sample_time[k];
     memcpy(t->x, m->sample_x + k * m->n, (size_t)m->n * sizeof *t->x);
     int fault = read_outputs(run, m->sample_time[k], t->x, m->sample_levels + k * m->n_levels, run->y);
     if (m->angle >= 0) t->x[m->angle] += TURN * (double)run->turns;
-    if (!fault) fault = t->take(t->to, m->sample_time[k], t->x, run->y);
     if (fault) return fault;
+    fault = t->take(t->to, m->sample_time[k], t->x, run->y);
+    if (fault) return fault > 0 ? -fault : fault; /* no status of ours is negative */
   }
   m->filled = 0;
   return DONE;
@@ -56,6 +65,15 @@ static void meet(march *m, double until) {
   m->time = until, m->unpassed -= missing;
 }
 
+static int go_on(ltcgear_run *run, double until, const taker *t);
+
+/* Go to a sample that was read off the way that the run has come: none after it is passed over. */
+static void go_back(ltcgear_run *run, const taker *t, double sample) {
+  pass_run(run, &(passage){t->before, 0, RESTORING});
+  stop_sampling(&run->m);
+  go_on(run, sample, 0);
+}
+
 /* March to a time. A segment holds no more samples than there is room for. */
 static int go_on(ltcgear_run *run, double until, const taker *t) {
   march *m = &run->m;
@@ -66,9 +84,12 @@ static int go_on(ltcgear_run *run, double until, const taker *t) {
   if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
   m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
   while (m->time < until) {
+    double last;
+    if (t) pass_run(run, &(passage){t->before, 0, SAVING});
     begin_leg(run, until);
-    int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t) : DONE;
-    if (fault || taken) return fault ? fault : taken;
+    int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t, &last) : DONE;
+    if (taken) go_back(run, t, last);
+    if (taken || fault) return taken ? taken : fault;
     meet(m, until);
   }
   return DONE;
@@ -81,13 +102,14 @@ int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker ta
   const whole n = m->n;
   if (!run->started) return NOT_STARTED;
   if (!(rate > 0) || !isfinite(rate)) return NOT_AHEAD;
-  double *samples = malloc((size_t)(CAPACITY * (n + m->n_levels + 2) + n) * sizeof *samples);
+  const whole reals = CAPACITY * (n + m->n_levels + 2) + n;
+  double *samples = malloc((size_t)reals * sizeof *samples + ltcgear_size(run));
   if (!samples) return NO_MEMORY;
   m->sample_x = samples + n, m->sample_levels = m->sample_x + CAPACITY * n;
   m->sample_time = m->sample_levels + CAPACITY * m->n_levels, m->sample_steps = m->sample_time + CAPACITY;
   m->capacity = CAPACITY, m->last = LLONG_MAX, m->sampling = rate, m->filled = 0;
   m->done = (whole)floor(m->time * rate * (1 + 1e-12)) + 1;
-  int fault = go_on(run, until, &(taker){take, to, samples});
+  int fault = go_on(run, until, &(taker){take, to, samples, (unsigned char *)(samples + reals)});
   stop_sampling(m);
   free(samples);
   return fault;

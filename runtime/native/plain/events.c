@@ -17,12 +17,6 @@ static void pose_states(ltcgear_run *run, double time, const double *x) {
   for (whole i = 0; i < m->n_signals; ++i) m->s[m->n_levels + i] = m->signals[i] + m->slope[i] * (time - m->base);
 }
 
-static int all_finite(whole count, const double *values) {
-  for (whole i = 0; i < count; ++i)
-    if (!isfinite(values[i])) return 0;
-  return 1;
-}
-
 /* Evaluate the mesh phases, their rates and shares at the states that were placed. */
 static void find_now(march *m) {
   for (int i = 0; i < 3; ++i) m->phases.res[i] = m->now + i * m->n_levels;
@@ -93,7 +87,7 @@ int ltcgear_outputs(ltcgear_run *run, double time, const double *x, double *y) {
     whole place = run->model->clocks[c].output;
     if (place >= 0) y[place] += (double)run->cycles[c];
   }
-  return DONE;
+  return all_finite(run->model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 
 ltcgear_whole ltcgear_indicator_count(const ltcgear_run *run) { return 2 * run->m.n_levels + run->m.n_holds; }
@@ -109,18 +103,18 @@ int ltcgear_indicators(ltcgear_run *run, double time, const double *x, double *z
     z[2 * i] = upper(m->cells[i], share[i]) - tau[i] + near;
     z[2 * i + 1] = tau[i] - lower(m->cells[i], share[i]) + near;
   }
-  z += 2 * m->n_levels;
-  seen(m, m->x, m->s, z);
-  for (whole g = 0; g < m->n_holds; ++g) z[g] += margin(m, g);
-  return all_finite(ltcgear_indicator_count(run) - 2 * m->n_levels, z) ? DONE : NOT_FINITE;
+  double *borders = z + 2 * m->n_levels;
+  seen(m, m->x, m->s, borders);
+  for (whole g = 0; g < m->n_holds; ++g) borders[g] += margin(m, g);
+  return all_finite(ltcgear_indicator_count(run), z) ? DONE : NOT_FINITE;
 }
 
 int ltcgear_update(ltcgear_run *run, double time, const double *x, int *changed) {
   march *m = &run->m;
   if (!run->started) return NOT_STARTED;
   begin_at(run, time);
-  pose_states(run, time, x);
   if (!all_finite(m->n, x)) return NOT_FINITE;
+  pose_states(run, time, x);
   find_now(m);
   int any = pass_borders(m) > 0;
   for (int round = 0; round < ROUNDS && pass_sides(m); ++round) any = 1;

@@ -14,7 +14,7 @@ typedef struct {
   fmu *model;
   fmi2CallbackFunctions told;
   char *name;
-  int stopped; /* the last step could not be finished */
+  int stopped; /* the last step could not be finished; the time is the last one it reached */
 } instance;
 
 #define MODE(mode) (1 << (mode))
@@ -159,13 +159,14 @@ fmi2Status fmi2GetFMUstate(fmi2Component component, fmi2FMUstate *state) {
 
 fmi2Status fmi2SetFMUstate(fmi2Component component, fmi2FMUstate state) {
   NEEDS(ANY);
+  if (fmu_return(c->model, state)) return error(c);
   c->stopped = 0;
-  return answer(c, fmu_return(c->model, state));
+  return fmi2OK;
 }
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component component, fmi2FMUstate state, size_t *size) {
   NEEDS(ANY);
-  *size = fmu_kept_size(state);
+  *size = fmu_packed_size(state);
   return fmi2OK;
 }
 
@@ -182,11 +183,10 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component component, const fmi2Byte bytes
 fmi2Status fmi2DoStep(fmi2Component component, fmi2Real from, fmi2Real step, fmi2Boolean final) {
   NEEDS(MODE(FMU_MOVING));
   (void)final;
-  double before = c->model->time;
-  c->stopped = fmu_step(c->model, from, step);
-  if (!c->stopped) return fmi2OK;
-  if (c->model->time == before) return error(c);
-  return say(c, fmi2Discard, "logStatusDiscard", c->model->message);
+  int status = fmu_step(c->model, from, step);
+  if (status == FMU_REFUSED) return error(c);
+  c->stopped = status == FMU_STOPPED;
+  return c->stopped ? say(c, fmi2Discard, "logStatusDiscard", c->model->message) : fmi2OK;
 }
 
 fmi2Status fmi2GetRealStatus(fmi2Component component, const fmi2StatusKind kind, fmi2Real *value) {

@@ -163,9 +163,7 @@ fmi3Status fmi3SetTime(fmi3Instance given, fmi3Float64 time) {
 fmi3Status fmi3SetContinuousStates(fmi3Instance given, const fmi3Float64 x[], size_t count) {
   NEEDS(RUNNING);
   NEEDS_SIZE(count, FMU_STATE);
-  memcpy(c->model->x, x, count * sizeof *x);
-  fmu_move(c->model);
-  return fmi3OK;
+  return answer(c, fmu_place(c->model, x));
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance given, fmi3Float64 x[], size_t count) {
@@ -262,7 +260,7 @@ fmi3Status fmi3SetFMUState(fmi3Instance given, fmi3FMUState state) {
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance given, fmi3FMUState state, size_t *size) {
   NEEDS(ANY);
-  *size = fmu_kept_size(state);
+  *size = fmu_packed_size(state);
   return fmi3OK;
 }
 

@@ -8,10 +8,12 @@
 #include <string.h>
 
 #define DEFAULT_RTOL 1e-6
-#define MOST_STEPS 1e9 /* of the integrator, in one communication step: more than an hour */
+#define LEAST_RTOL 1e-13
+#define MOST_RTOL 0.1
+#define MOST_STEPS 1e9 /* of the integrator, in one communication step: from minutes to hours */
 #define SAME_TIME 1e-9 /* [s], and over the time: by how much an importer's clock may differ from ours */
 
-/* A kept state: this, then what an instance keeps itself, then its run. */
+/* A kept state: this, then what an instance keeps itself, then its run; the checksum of all that when it is packed. */
 typedef struct {
   char token[64];
   size_t size;
@@ -87,11 +89,19 @@ int fmu_begin(fmu *f, double time, double rtol) {
   if (!isfinite(time)) return fmu_refuse(f, "the start time %g is not finite", time);
   forget(f);
   f->time = time;
-  f->rtol = rtol >= 1e-13 && rtol <= 0.1 ? rtol : DEFAULT_RTOL;
+  f->rtol = rtol > 0 && isfinite(rtol) ? fmin(fmax(rtol, LEAST_RTOL), MOST_RTOL) : DEFAULT_RTOL;
   return 0;
 }
 
 void fmu_move(fmu *f) { f->known = 0; }
+
+int fmu_place(fmu *f, const double *x) {
+  for (ltcgear_whole i = 0; i < model->n_states; ++i)
+    if (!isfinite(x[i])) return fmu_refuse(f, "%s = %g: the state is not finite", model->states[i].name, x[i]);
+  memcpy(f->x, x, (size_t)model->n_states * sizeof *x);
+  fmu_move(f);
+  return 0;
+}
 
 /* Let the run see the inputs: in model exchange as they are now, with the slopes that the importer tells. */
 static int impose(fmu *f) {
@@ -181,25 +191,17 @@ int fmu_get(fmu *f, const unsigned *reference, size_t count, double *value) {
   return 0;
 }
 
-static int set_parameter(fmu *f, size_t i, double value) {
+static int check_parameter(fmu *f, size_t i, double value) {
   const char *name = model->parameters[i].name;
-  double lowest = fmu_scene.lowest[i];
+  const double least = model->parameter_least[i], most = model->parameter_most[i];
   if (f->mode != FMU_MADE && f->mode != FMU_INITIALIZING)
     return fmu_refuse(f, "%s: a parameter is set before the initialization ends; reset the instance first", name);
-  if (value < lowest) return fmu_refuse(f, "%s = %g: must be at least %g", name, value, lowest);
-  if (value != f->p[i]) forget(f);
-  f->p[i] = value;
+  if (value < least) return fmu_refuse(f, "%s = %g: must be at least %g", name, value, least);
+  if (value > most) return fmu_refuse(f, "%s = %g: must be at most %.17g", name, value, most);
   return 0;
 }
 
-static int set_input(fmu *f, size_t i, double value) {
-  f->u[i] = value;
-  if (f->mode == FMU_MADE || f->mode == FMU_INITIALIZING) return forget(f), 0;
-  f->known = f->exchange ? 0 : f->known;
-  return f->exchange && f->run && impose(f);
-}
-
-static int set_one(fmu *f, unsigned reference, double value) {
+static int check_one(fmu *f, unsigned reference, double value) {
   size_t i;
   int kind = kind_of(reference, &i);
   if (kind == FMU_KINDS || (kind == FMU_PARAMETER && model->parameter_fixed[i]))
@@ -207,13 +209,25 @@ static int set_one(fmu *f, unsigned reference, double value) {
   if (kind != FMU_PARAMETER && kind != FMU_INPUT)
     return fmu_refuse(f, "the variable with value reference %u is calculated and cannot be set", reference);
   if (!isfinite(value)) return fmu_refuse(f, "value reference %u: %g is not finite", reference, value);
-  return kind == FMU_PARAMETER ? set_parameter(f, i, value) : set_input(f, i, value);
+  return kind == FMU_PARAMETER && check_parameter(f, i, value);
+}
+
+/* Set what has been checked; what changes the start makes the run begin anew. */
+static void set_one(fmu *f, unsigned reference, double value) {
+  size_t i;
+  int is_input = kind_of(reference, &i) == FMU_INPUT;
+  double *place = is_input ? f->u + i : f->p + i;
+  if (value == *place) return;
+  *place = value;
+  if (f->mode == FMU_MADE || f->mode == FMU_INITIALIZING) forget(f);
 }
 
 int fmu_set(fmu *f, const unsigned *reference, size_t count, const double *value) {
   for (size_t i = 0; i < count; ++i)
-    if (set_one(f, reference[i], value[i])) return 1;
-  return 0;
+    if (check_one(f, reference[i], value[i])) return 1;
+  for (size_t i = 0; i < count; ++i) set_one(f, reference[i], value[i]);
+  if (f->exchange) f->known = 0;
+  return f->exchange && f->run && impose(f);
 }
 
 /* Lead the inputs over a step: a torque jumps at its start, a speed runs to its new value. */
@@ -234,15 +248,19 @@ int fmu_step(fmu *f, double from, double step) {
   if (fabs(from - f->time) > SAME_TIME * (1 + fabs(f->time)))
     return fmu_refuse(f, "a communication step from %.17g s on: the instance is at %.17g s", from, f->time);
   double until = from + step;
-  if (fmu_start(f)) return 1;
+  if (fmu_start(f)) return FMU_REFUSED;
   double needed = ltcgear_expected_steps(f->run, step);
-  if (needed > MOST_STEPS) return fmu_refuse(f, "a step of %g s would take %.0e of the integrator's", step, needed);
-  if (steer(f, until)) return 1;
+  if (needed > MOST_STEPS) {
+    fmu_refuse(f, "a step of %g s would take %.0e of the integrator's", step, needed);
+    return FMU_STOPPED;
+  }
+  if (steer(f, until)) return FMU_REFUSED;
   int status = ltcgear_advance(f->run, until);
   f->time = ltcgear_time(f->run);
   f->known = 0;
-  if (status) return fmu_refuse(f, "the integration stopped at %.9g s: %s", f->time, ltcgear_reason(status));
-  return 0;
+  if (!status) return 0;
+  fmu_refuse(f, "the integration stopped at %.9g s: %s", f->time, ltcgear_reason(status));
+  return FMU_STOPPED;
 }
 
 int fmu_update(fmu *f, double *next) {
@@ -260,9 +278,11 @@ static size_t own_size(void) {
   return n * sizeof(double);
 }
 
+static size_t kept_size(const void *state) { return state ? ((const kept *)state)->size : 0; }
+
 int fmu_keep(fmu *f, void **state) {
   size_t size = sizeof(kept) + own_size() + (f->run ? ltcgear_size(f->run) : 0);
-  if (!*state || fmu_kept_size(*state) != size) {
+  if (!*state || kept_size(*state) != size) {
     free(*state);
     *state = calloc(1, size);
   }
@@ -278,48 +298,61 @@ int fmu_keep(fmu *f, void **state) {
   return 0;
 }
 
-/* Take over the run of a kept state. */
-static int take_run(fmu *f, const kept *head) {
-  forget(f);
-  if (!head->started) return 0;
-  f->run = ltcgear_create(model, head->rtol);
-  if (!f->run) return fmu_refuse(f, "there is no memory for a run");
-  int whole = head->size == sizeof *head + own_size() + ltcgear_size(f->run);
-  if (whole && !ltcgear_restore(f->run, (const char *)(head + 1) + own_size())) return 0;
-  forget(f);
-  return fmu_refuse(f, "the state is damaged");
+/* Make the run of a kept state; NULL with a message where that cannot be. */
+static ltcgear_run *make_run(fmu *f, const kept *head) {
+  ltcgear_run *run = ltcgear_create(model, head->rtol);
+  int status = 0, fits = run && head->size == sizeof *head + own_size() + ltcgear_size(run);
+  if (fits) status = ltcgear_restore(run, (const char *)(head + 1) + own_size());
+  if (fits && !status) return run;
+  fmu_refuse(f, "%s", !run ? "there is no memory for a run" : fits ? ltcgear_reason(status) : "the state is damaged");
+  ltcgear_destroy(run);
+  return NULL;
 }
 
 int fmu_return(fmu *f, const void *state) {
   const kept *head = state;
   if (!head) return fmu_refuse(f, "no state was given");
-  if (take_run(f, head)) return 1;
+  ltcgear_run *run = head->started ? make_run(f, head) : NULL;
+  if (head->started && !run) return 1;
+  forget(f);
+  f->run = run;
   memcpy(f->p, head + 1, own_size());
   f->mode = head->mode, f->time = head->time, f->rtol = head->rtol;
   return 0;
 }
 
-size_t fmu_kept_size(const void *state) { return state ? ((const kept *)state)->size : 0; }
+size_t fmu_packed_size(const void *state) { return state ? kept_size(state) + sizeof(unsigned long long) : 0; }
 
 int fmu_pack(fmu *f, const void *state, void *bytes, size_t size) {
-  size_t needed = fmu_kept_size(state);
+  size_t own = kept_size(state), needed = fmu_packed_size(state);
   if (!state || size < needed) return fmu_refuse(f, "a state of %zu bytes goes not into %zu", needed, size);
-  memcpy(bytes, state, needed);
+  unsigned long long sum = ltcgear_checksum(state, own);
+  memcpy(bytes, state, own);
+  memcpy((char *)bytes + own, &sum, sizeof sum);
   return 0;
 }
 
+/* Say whether some bytes are a packed state that nothing has changed. */
+static int is_sound(const void *bytes, size_t size) {
+  unsigned long long sum;
+  kept head;
+  if (size < sizeof head + own_size() + sizeof sum) return 0;
+  size -= sizeof sum;
+  memcpy(&head, bytes, sizeof head);
+  memcpy(&sum, (const char *)bytes + size, sizeof sum);
+  return head.size == size && ltcgear_checksum(bytes, size) == sum;
+}
+
 int fmu_unpack(fmu *f, const void *bytes, size_t size, void **state) {
-  kept *made = calloc(1, size > sizeof *made ? size : sizeof *made);
+  kept head = {.size = 0};
+  if (!bytes) return fmu_refuse(f, "no state was given");
+  memcpy(&head, bytes, size < sizeof head ? size : sizeof head);
+  if (strncmp(head.token, fmu_scene.token, sizeof head.token) || head.exchange != f->exchange)
+    return fmu_refuse(f, "the state is that of another model");
+  if (!is_sound(bytes, size)) return fmu_refuse(f, "the state is damaged");
+  void *made = malloc(head.size);
   if (!made) return fmu_refuse(f, "there is no memory for a state");
-  memcpy(made, bytes, size);
-  made->token[sizeof made->token - 1] = 0;
-  int other = strncmp(made->token, fmu_scene.token, sizeof made->token - 1) != 0 || made->exchange != f->exchange;
-  int damaged = made->size != size || size < sizeof *made + own_size() || made->mode < FMU_MADE ||
-                made->mode > FMU_ENDED;
-  if (other || damaged) {
-    free(made);
-    return fmu_refuse(f, other ? "the state is that of another model" : "the state is damaged");
-  }
+  memcpy(made, bytes, head.size);
   free(*state);
   *state = made;
   return 0;

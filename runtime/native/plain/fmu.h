@@ -24,7 +24,6 @@ enum {
 typedef struct {
   const char *token;                /* by which an importer shows that it has read this model's description */
   const unsigned *first;            /* value reference at which each kind begins, and the end; some kinds are empty */
-  const double *lowest;             /* what each parameter may be at least */
   const double *nominal;            /* size of each state's vibrations */
   const double *angle_ratio;        /* of each angle: the rotor's speed over the reference's, and the output that is */
   const ltcgear_whole *angle_twist; /* its deviation from the rigid motion */
@@ -36,6 +35,9 @@ typedef struct {
 } fmu_variables;
 
 extern const fmu_variables fmu_scene; /* in variables.c */
+
+/* What a step may be besides 0, done: refused, as it was called wrongly; or stopped, somewhere on its way. */
+enum { FMU_REFUSED = 1, FMU_STOPPED };
 
 enum { FMU_MADE, FMU_INITIALIZING, FMU_EVENT, FMU_MOVING, FMU_ENDED }; /* modes of an instance */
 
@@ -56,16 +58,17 @@ void fmu_move(fmu *f);                         /* time or states have changed: n
 
 /* These return 0, or 1 with a message. */
 int fmu_refuse(fmu *f, const char *form, ...);
-int fmu_begin(fmu *f, double time, double rtol); /* set the start; rtol outside 1e-13..0.1: the default */
+int fmu_begin(fmu *f, double time, double rtol); /* set the start; an rtol that is not positive: the default */
 int fmu_get(fmu *f, const unsigned *reference, size_t count, double *value);
-int fmu_set(fmu *f, const unsigned *reference, size_t count, const double *value);
+int fmu_set(fmu *f, const unsigned *reference, size_t count, const double *value); /* all of them, or none */
 int fmu_start(fmu *f);                         /* find the equilibrium, where that has not been done */
-int fmu_step(fmu *f, double from, double step);
+int fmu_step(fmu *f, double from, double step); /* FMU_REFUSED or FMU_STOPPED */
 int fmu_find(fmu *f, int kind);                /* evaluate rates, outputs or indicators */
 int fmu_update(fmu *f, double *next);          /* events at the present time and states; the next time event [s] */
 int fmu_keep(fmu *f, void **state);            /* save all that an instance is, in memory that free() gives back */
-int fmu_return(fmu *f, const void *state);
-size_t fmu_kept_size(const void *state);       /* bytes that it has when it is packed */
+int fmu_place(fmu *f, const double *x);          /* take the states of an importer */
+int fmu_return(fmu *f, const void *state);     /* where that is refused, the instance stays as it was */
+size_t fmu_packed_size(const void *state);     /* bytes that it has when it is packed, a checksum among them */
 int fmu_pack(fmu *f, const void *state, void *bytes, size_t size);
 int fmu_unpack(fmu *f, const void *bytes, size_t size, void **state);
 size_t fmu_count(int kind);                    /* how many variables of a kind there are */

@@ -59,6 +59,7 @@ typedef struct {
   const ltcgear_label *states, *parameters, *outputs; /* outputs are called quantity:item */
   const double *parameter_values, *start;             /* the scene's numbers, and its loaded equilibrium (states) */
   const unsigned char *parameter_fixed;               /* 1: follows from structure (teeth, phases): cannot be set */
+  const double *parameter_least, *parameter_most;     /* what each may be set to, both included */
   const ltcgear_table *tables;
   const ltcgear_whole *signal_table;                  /* the table of each load signal */
   const unsigned char *signal_slope;                  /* 1: the signal is the table's slope, 0: its value */
@@ -84,8 +85,9 @@ typedef struct ltcgear_run ltcgear_run; /* one simulation */
 ltcgear_run *ltcgear_create(const ltcgear_model *model, double rtol);
 void ltcgear_destroy(ltcgear_run *run);
 
-/* Set a parameter (its place in model->parameters) before the start. Refused: what is fixed, what is not finite, and an
- * inertia that is not positive. */
+/* Set a parameter (its place in model->parameters) before the start. Refused: what is fixed, what is not finite, and what
+ * lies outside parameter_least..parameter_most: a mass or an inertia that is not positive, a negative stiffness or
+ * damping, a share (single_share) outside 0..1. */
 int ltcgear_set(ltcgear_run *run, ltcgear_whole parameter, double value);
 double ltcgear_get(const ltcgear_run *run, ltcgear_whole parameter);
 
@@ -101,7 +103,9 @@ int ltcgear_start(ltcgear_run *run, double time);
 int ltcgear_advance(ltcgear_run *run, double until);
 
 /* The same, and hand on all samples k / rate that lie after the present time, up to ``until``: states, outputs, and what
- * was given as ``to``. Nothing is integrated to the samples one by one. Other than 0 from ``take`` ends it, as status. */
+ * was given as ``to``. Nothing is integrated to the samples one by one. ``take`` returns 0 to go on. A negative number
+ * ends it and is the status (a positive one comes back negative); the run is then at the sample that was taken last, and
+ * whatever goes on from there begins with the next one. */
 typedef int (*ltcgear_taker)(void *to, double time, const double *x, const double *y);
 int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker take, void *to);
 
@@ -115,15 +119,20 @@ int ltcgear_read(ltcgear_run *run, double *y);
 ltcgear_whole ltcgear_steps(const ltcgear_run *run);
 ltcgear_whole ltcgear_switchings(const ltcgear_run *run);
 
-/* How many steps so many seconds take at least: the explicit method follows the fastest motion, even one at rest. More
- * than 1e9 are more than an hour. */
+/* How many steps so many seconds take at least, often there are several times more: the explicit method follows the
+ * fastest motion, even one at rest. 1e9 of them take from minutes to hours, by the size of the model. 0 before the
+ * start. */
 double ltcgear_expected_steps(const ltcgear_run *run, double seconds);
 
-/* Save a run (ltcgear_size() bytes, the same for all runs of a model) and go on from there, in any run of the model;
- * bytes of another model are refused. */
+/* Save a run (ltcgear_size() bytes, the same for all runs of a model) and go on from there, in any run of the model.
+ * Bytes of another model are refused, and so are damaged ones: the last eight are the checksum of those before. A run
+ * that refuses stays as it was. */
 size_t ltcgear_size(const ltcgear_run *run);
 void ltcgear_save(const ltcgear_run *run, void *to);
 int ltcgear_restore(ltcgear_run *run, const void *from);
+
+/* The checksum of some bytes (FNV-1a, 64 bits), which any one wrong byte changes. */
+unsigned long long ltcgear_checksum(const void *bytes, size_t size);
 
 /* For integrators of other people. Which tooth pairs carry and which contacts are closed is held until ltcgear_update,
  * so what is integrated between two events is smooth. A run is started and updated first; from then on time and states

@@ -6,8 +6,8 @@
 
 /* What may go wrong besides the faults of a march, in the order of their texts. */
 enum {
-  NOT_STARTED = STOPPED + 1, HAS_STARTED, NO_SUCH, FIXED, NOT_A_NUMBER, NOT_POSITIVE, NOT_AHEAD, NO_MEMORY, NO_FREEDOM,
-  LOOSE, OVERLAPPING, UNSETTLED, FOREIGN, STATUSES
+  NOT_STARTED = STOPPED + 1, HAS_STARTED, NO_SUCH, FIXED, NOT_A_NUMBER, NOT_POSITIVE, NEGATIVE, NO_SHARE, NOT_AHEAD,
+  NO_MEMORY, NO_FREEDOM, LOOSE, OVERLAPPING, UNSETTLED, FOREIGN, DAMAGED, STATUSES
 };
 static const char *const REASON[] = {
     "the run has not been started",
@@ -15,7 +15,9 @@ static const char *const REASON[] = {
     "there is no such parameter or table",
     "this parameter follows from the structure of the gearbox: change the scene and generate its C again",
     "the value is not finite",
-    "an inertia must be positive",
+    "a mass or an inertia must be positive",
+    "a stiffness or a damping must not be negative",
+    "a share must lie between 0 and 1",
     "the time lies behind, or the samples are none",
     "there is no memory left",
     "nothing can vibrate: every freedom of the scene is held",
@@ -23,6 +25,7 @@ static const char *const REASON[] = {
     "no equilibrium: a centre distance falls below the base circles' sum",
     "no equilibrium was found; check parameters and loads",
     "these are not the bytes of a run of this model",
+    "the bytes of the run are damaged",
 };
 
 /* A table that is steered: its own rows. */
@@ -167,16 +170,23 @@ ltcgear_run *ltcgear_create(const ltcgear_model *model, double rtol) {
 
 void ltcgear_destroy(ltcgear_run *run) { free(run); }
 
+/* What is wrong with a parameter's value. */
+static int fault_of(const ltcgear_model *model, whole parameter, double value) {
+  const double least = model->parameter_least[parameter], most = model->parameter_most[parameter];
+  if (!isfinite(value)) return NOT_A_NUMBER;
+  if (value >= least && value <= most) return DONE;
+  if (most < 1) return NO_SHARE;
+  return least > 0 ? NOT_POSITIVE : NEGATIVE;
+}
+
 int ltcgear_set(ltcgear_run *run, ltcgear_whole parameter, double value) {
   const ltcgear_model *model = run->model;
   if (run->started) return HAS_STARTED;
   if (parameter < 0 || parameter >= model->n_parameters) return NO_SUCH;
   if (model->parameter_fixed[parameter]) return FIXED;
-  if (!isfinite(value)) return NOT_A_NUMBER;
-  for (whole i = 0; i < model->n_freedoms; ++i)
-    if (model->freedoms[i].inertia == parameter && !(value > 0)) return NOT_POSITIVE;
-  run->parameters[parameter] = value;
-  return DONE;
+  int fault = fault_of(model, parameter, value);
+  if (!fault) run->parameters[parameter] = value;
+  return fault;
 }
 
 double ltcgear_get(const ltcgear_run *run, ltcgear_whole parameter) {

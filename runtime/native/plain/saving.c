@@ -42,21 +42,35 @@ static void pass_run(ltcgear_run *run, passage *all) {
 /* The bytes that a saved run begins with: its model's key. */
 static size_t key_size(const ltcgear_run *run) { return strlen(run->model->key) + 1; }
 
-size_t ltcgear_size(const ltcgear_run *run) {
+/* All bytes but those of the checksum. */
+static size_t sealed_size(const ltcgear_run *run) {
   passage all = {0, key_size(run), COUNTING};
   pass_run((ltcgear_run *)run, &all); /* which is only read */
   return all.used;
 }
 
+unsigned long long ltcgear_checksum(const void *bytes, size_t size) {
+  unsigned long long sum = 0xcbf29ce484222325u;
+  for (const unsigned char *c = bytes, *end = c + size; c < end; ++c) sum = (sum ^ *c) * 0x100000001b3u;
+  return sum;
+}
+
+size_t ltcgear_size(const ltcgear_run *run) { return sealed_size(run) + sizeof(unsigned long long); }
+
 void ltcgear_save(const ltcgear_run *run, void *to) {
   passage all = {to, key_size(run), SAVING};
   memcpy(to, run->model->key, key_size(run));
   pass_run((ltcgear_run *)run, &all); /* which is only read */
+  unsigned long long sum = ltcgear_checksum(to, all.used);
+  pass(&all, &sum, sizeof sum);
 }
 
 int ltcgear_restore(ltcgear_run *run, const void *from) {
   passage all = {(unsigned char *)from, key_size(run), RESTORING}; /* which is only read */
+  const size_t size = sealed_size(run);
+  unsigned long long sum = ltcgear_checksum(from, size);
   if (memcmp(from, run->model->key, key_size(run))) return FOREIGN;
+  if (memcmp(all.front + size, &sum, sizeof sum)) return DAMAGED;
   pass_run(run, &all);
   return DONE;
 }

@@ -1,0 +1,23 @@
+"""Bounds: what the parameters of a scene may be set to, in plain C and in FMUs."""
+
+import math
+import sys
+
+ANY = sys.float_info.max
+"""Bound of what may be any finite number."""
+POSITIVE = ("kg", "kg*m^2")
+"""Units of what must be positive."""
+NOT_NEGATIVE = ("stiffness", "stiffness_single", "stiffness_double", "damping", "friction_damping")
+"""Last parts of names of what must not be negative."""
+SHARES = ("single_share",)
+"""Last parts of names of what lies between 0 and 1."""
+
+
+def bounds_of(name: str, unit: str) -> tuple[float, float]:
+    """Return what a parameter may be at least and at most, both included."""
+    last = name.rsplit(".", 1)[-1]
+    if last in SHARES:
+        return sys.float_info.min, math.nextafter(1.0, 0.0)
+    if unit in POSITIVE:
+        return sys.float_info.min, ANY
+    return 0.0 if last in NOT_NEGATIVE else -ANY, ANY
