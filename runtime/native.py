@@ -67,7 +67,9 @@ STAGES, FINE = 7, 64
 """Stages of the explicit method; intervals of an arc at whose ends indicators are looked at."""
 ADVANCE = ctypes.CFUNCTYPE(None, ctypes.c_double)
 DTYPES: dict[str, Any] = {"reals": np.float64, "wholes": np.int64, "bytes": np.bool_}
-PREAMBLE = f"""#define _POSIX_C_SOURCE 199309L /* a clock that nobody sets */
+PREAMBLE = f"""#ifndef _POSIX_C_SOURCE
+#define _POSIX_C_SOURCE 199309L /* a clock that nobody sets */
+#endif
 #include <float.h>
 #include <limits.h>
 #include <math.h>

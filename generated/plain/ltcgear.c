@@ -1,6 +1,8 @@
 /* The integration of a gearbox that ltcgear has turned into C, see ltcgear.h; the same for all scenes. */
 #define EXPORTED static
+#ifndef _POSIX_C_SOURCE
 #define _POSIX_C_SOURCE 199309L /* a clock that nobody sets */
+#endif
 #include <float.h>
 #include <limits.h>
 #include <math.h>

@@ -72,7 +72,8 @@ static void print_forces(const gathered *g) {
   for (ltcgear_whole i = 0; i < g->model->n_forces; ++i) {
     const char *name = strchr(g->model->outputs[g->model->forces[i]].name, ':') + 1;
     double mean = g->sum[i] / g->samples, peak = mean < 0 ? g->least[i] : g->most[i];
-    printf("%-28s %16.9g %16.9g %16.9g %12.6g\n", name, mean, g->least[i], g->most[i], peak / mean);
+    printf("%-28s %16.9g %16.9g %16.9g %12.6g\n", name, mean, g->least[i], g->most[i],
+           mean != 0 ? peak / mean : NAN);
   }
 }
 
@@ -104,7 +105,8 @@ int main(int count, char **arguments) {
   const ltcgear_model *model = &ltcgear_scene;
   double t_end = model->t_end, *room;
   int first = count > 1 && read_number(arguments[1], &t_end) ? 2 : 1, code = 0;
-  if (!(t_end * model->rate >= 1 && t_end < 1e7)) return refuse(first > 1 ? arguments[1] : model->name, "give a time of one sample to 1e7 s");
+  if (!(t_end * model->rate >= 1 && t_end < 1e7))
+    return refuse(first > 1 ? arguments[1] : model->name, "give a time of one sample to 1e7 s");
   ltcgear_run *run = ltcgear_create(model, 1e-6);
   room = calloc(3 * (size_t)model->n_forces + 1, sizeof *room);
   if (!run || !room) code = refuse(model->name, "there is no memory left");
@@ -117,5 +119,9 @@ int main(int count, char **arguments) {
   }
   ltcgear_destroy(run);
   free(room);
+  if (fflush(stdout)) {
+    fprintf(stderr, "%s: what was found cannot be printed\n", model->name);
+    code = 1;
+  }
   return code;
 }
