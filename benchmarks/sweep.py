@@ -5,6 +5,7 @@ take turns, and the fastest of each is told, since other programs only slow a ro
 has left for a second process, as for ensembles.
 """
 
+import json
 import os
 import tempfile
 from pathlib import Path
@@ -20,6 +21,7 @@ from .ensemble import hash_all
 from .marks import put
 
 PAGE = Path(__file__).parent.parent / "docs" / "sweeps.md"
+DATA = PAGE.parent / "data" / "sweeps.json"
 PLANETS = 4
 ERRORS = "stages.lsp.position_errors"
 CHANGES = {
@@ -98,4 +100,6 @@ def write(found: dict[str, float]) -> str:
 
 
 if __name__ == "__main__":
-    put(PAGE, {"cost": write(measure())})
+    measured = measure()
+    DATA.write_text(json.dumps(measured, indent=1) + "\n", "utf-8")
+    put(PAGE, {"cost": write(measured)})

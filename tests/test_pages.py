@@ -313,6 +313,18 @@ def test_the_page_of_calls_tells_what_was_measured(benchmarks):
         assert page.overhead(found, "held") < page.overhead(found, "kernel")
 
 
+# --- sweeps
+
+
+def test_the_page_of_sweeps_tells_what_was_measured(benchmarks):
+    page, marks = benchmarks("sweep"), benchmarks("marks")
+    data = json.loads(page.DATA.read_text("utf-8"))
+    assert marks.take(page.PAGE, "cost").strip() == page.write(data).strip()
+    assert page.POINTS == 1000
+    assert data["one"] > 1.8 * data["two"]
+    assert data["point"] < 1.1 * data["alone"]
+
+
 # --- modes
 
 
