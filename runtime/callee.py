@@ -3,15 +3,12 @@
 import ctypes
 from functools import cache
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
-from numpy.typing import NDArray
 
 from . import native
-from .library import Library, load
+from .library import load
 
 NEEDED = "calling a model from Python needs a C compiler, and none was found; install gcc or clang, or name one with CC"
 FIELDS = (
@@ -32,38 +29,20 @@ class State(ctypes.Structure):
     _fields_ = [(name, native.KINDS[kind][0]) for name, kind in KINDS.items()]
 
 
-class Callee:
+class Callee(native.Shared):
     """A model's functions with what the C needs beside them.
 
     Attributes
     ----------
     engine
         The compiled functions.
-    state
-        The structure that they take; ``address`` is where it is.
-    arrays
-        Its arrays by name.
+    address
+        Where the structure is that they take.
     """
 
     def __init__(self) -> None:
-        self.engine, self.state = engine(), State()
-        self.address = ctypes.addressof(self.state)
-        self.arrays: dict[str, NDArray[Any]] = {}
-        self._bound: list[Any] = []
-
-    def share(self, name: str, values: Any) -> NDArray[Any]:  # noqa: ANN401
-        """Let the C point to an array with these values, and return it."""
-        array = np.array(values, dtype=native.DTYPES[KINDS[name]], order="C")
-        self.arrays[name] = array
-        setattr(self.state, name, array.ctypes.data)
-        return array
-
-    def bind(self, name: str, library: Library, results: list[int]) -> None:
-        """Let the C call a generated function, whose results go to these addresses."""
-        function, arrays = native.bound(library, name)
-        arrays[1][: len(results)] = results
-        self._bound.append(arrays)
-        setattr(self.state, name, function)
+        super().__init__(State(), KINDS)
+        self.engine, self.address = engine(), ctypes.addressof(self.state)
 
 
 @cache

@@ -193,8 +193,9 @@ class March:
 
     def _bind(self) -> None:
         """Give the C the model's functions; where results go that change from call to call, it says itself."""
-        for name, results in (("motion", {}), ("phases", {}), ("borders", {}), ("energy", {0: "balance"})):
-            self.native.bind(name, self.library, results)
+        for name in ("motion", "phases", "borders"):
+            self.native.bind(name, self.library)
+        self.native.bind("energy", self.library, [self.native.arrays["balance"].ctypes.data])
 
     @property
     def time(self) -> float:

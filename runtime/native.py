@@ -1,6 +1,7 @@
 """Native: the march's C, compiled once for all models, and the one list of what it shares with Python."""
 
 import ctypes
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -171,8 +172,15 @@ def bound(library: Library, name: str) -> tuple[Function, list[NDArray[Any]]]:
     return Function(code, *(array.ctypes.data for array in arrays)), arrays
 
 
-class Native:
-    """The march's state: scalars in a C structure, arrays of NumPy's that it points to.
+class Shared:
+    """What C and Python share: scalars in a C structure, arrays of NumPy's that it points to.
+
+    Parameters
+    ----------
+    state
+        The structure.
+    kinds
+        Kinds of its fields by name.
 
     Attributes
     ----------
@@ -182,17 +190,32 @@ class Native:
         Its arrays by name.
     """
 
-    def __init__(self) -> None:
-        self.engine, self.state = engine(), State()
+    def __init__(self, state: Any, kinds: Mapping[str, str]) -> None:  # noqa: ANN401
+        self.state, self._kinds = state, kinds
         self.arrays: dict[str, NDArray[Any]] = {}
         self._bound: list[Any] = []
 
     def share(self, name: str, values: Any) -> NDArray[Any]:  # noqa: ANN401
         """Let the C point to an array with these values, and return it; its bytes stay where they are from now on."""
-        array = np.array(values, dtype=DTYPES[KIND[name]], order="C")
+        array = np.array(values, dtype=DTYPES[self._kinds[name]], order="C")
         self.arrays[name] = array
         setattr(self.state, name, array.ctypes.data)
         return array
+
+    def bind(self, name: str, library: Library, results: Sequence[int] = ()) -> None:
+        """Let the C call a generated function, whose first results go to these addresses."""
+        function, arrays = bound(library, name)
+        arrays[1][: len(results)] = results
+        self._bound.append(arrays)
+        setattr(self.state, name, function)
+
+
+class Native(Shared):
+    """The march's state."""
+
+    def __init__(self) -> None:
+        super().__init__(State(), KIND)
+        self.engine = engine()
 
     def value(self, name: str) -> NDArray[Any]:
         """Return a copy of what a field holds."""
@@ -204,14 +227,6 @@ class Native:
             self.arrays[name][...] = value
         else:
             setattr(self.state, name, value.item())
-
-    def bind(self, name: str, library: Library, results: dict[int, str]) -> None:
-        """Let the C call a generated function, whose results go to arrays that are shared."""
-        function, arrays = bound(library, name)
-        for place, target in results.items():
-            arrays[1][place] = self.arrays[target].ctypes.data
-        self._bound.append(arrays)
-        setattr(self.state, name, function)
 
     def call_back(self, advance: Any) -> None:  # noqa: ANN401
         """Let the C integrate by a function of Python's, of a duration [s], which sets what it has reached."""
