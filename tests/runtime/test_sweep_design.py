@@ -128,7 +128,7 @@ def test_ends_reach_every_bound_and_every_item():
     assert {end["effects.x"] for end in ends} == {"on", "off", "paper"}
     drawn = [design.changes(point)["e"] for point in range(design.size)]
     assert {min(drawn, key=_number), max(drawn, key=_number)} <= {end["e"] for end in ends}
-    assert {"0.0 um", "9.0 um"} <= {end["e"] for end in ends}
+    assert {"0 um", "9 um"} <= {end["e"] for end in ends}
 
 
 def _number(text):
