@@ -69,6 +69,12 @@ def group_meshes(meshes: Iterable[str]) -> dict[str, list[str]]:
     return found
 
 
+def mean_shares(means: FloatArray, largest: float) -> FloatArray | None:
+    """Return each mesh's mean force over the mean of all [1]; None where they carry nothing beside their largest."""
+    middle = float(means.mean())
+    return means / middle if abs(middle) > UNLOADED * largest else None
+
+
 def find_load_share(dataset: xr.Dataset, group: str) -> LoadShare:
     """Return how the meshes of a group share their load, by their normal forces.
 
@@ -91,15 +97,15 @@ def find_load_share(dataset: xr.Dataset, group: str) -> LoadShare:
         raise LtcgearError(f"{group}: no group of several meshes; there are {', '.join(several) or 'none'}")
     time, force = _read_forces(dataset, meshes)
     total = force.mean(axis=1)
-    middle = float(total.mean())
-    if not abs(middle) > UNLOADED * float(np.abs(force).max()):
+    mean = mean_shares(force.mean(axis=0), float(np.abs(force).max()))
+    if mean is None:
         raise LtcgearError(f"{group}: carries no load in the mean, so it has no shares")
-    carried = total / middle
+    carried = total / total.mean()
     share = np.where(carried[:, None] > WEAK, force / np.where(carried > WEAK, total, 1.0)[:, None], np.nan)
     none = np.full(len(meshes), np.nan)
     known = bool((carried > WEAK).any())
     low, high = (np.nanmin(share, axis=0), np.nanmax(share, axis=0)) if known else (none, none)
-    return LoadShare(group, tuple(meshes), force.mean(axis=0) / middle, low, high, time, share)
+    return LoadShare(group, tuple(meshes), mean, low, high, time, share)
 
 
 def _read_forces(dataset: xr.Dataset, meshes: list[str]) -> tuple[FloatArray, FloatArray]:

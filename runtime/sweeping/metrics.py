@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..analysis.sharing import UNLOADED, group_meshes, list_groups
+from ..analysis.sharing import group_meshes, list_groups, mean_shares
 from ..analysis.spectrum import find_spectrum
 from ..analysis.trace import FEWEST, FloatArray, list_items, select_output
 from ..analysis.transmission import find_transmission_error
@@ -133,11 +133,10 @@ def _take_load_share(run: Result) -> Taken:
 
 
 def _share(found: Mapping[str, Mapping[str, float]], meshes: Sequence[str]) -> Iterator[tuple[str, float]]:
-    """Yield the shares of meshes in their mean load, as ``find_load_share`` has them of a whole record."""
-    middle = sum(found[mesh]["mean"] for mesh in meshes) / len(meshes)
+    """Yield the shares of meshes in their mean load, NaN where they carry none."""
     largest = max(abs(found[mesh][end]) for mesh in meshes for end in ("min", "max"))
-    loaded = abs(middle) > UNLOADED * largest
-    yield from ((mesh, found[mesh]["mean"] / middle if loaded else float("nan")) for mesh in meshes)
+    shares = mean_shares(np.array([found[mesh]["mean"] for mesh in meshes]), largest)
+    yield from zip(meshes, [float("nan")] * len(meshes) if shares is None else shares.tolist(), strict=True)
 
 
 def _take_transmission_error(run: Result) -> Taken:
