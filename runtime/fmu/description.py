@@ -1,5 +1,6 @@
 """Description: modelDescription.xml and buildDescription.xml, by FMI 2.0 and 3.0."""
 
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,6 +8,7 @@ from dataclasses import dataclass
 from .units import exponents
 from .variables import Interface, Variable
 
+CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 LOGGED = {"logStatusError": "what was refused, and why", "logStatusDiscard": "why a step could not be finished"}
 
 
@@ -151,6 +153,7 @@ def _numbers(variable: Variable) -> dict[str, str]:
 
 
 def _text(root: ET.Element) -> str:
-    """Return a document as text."""
+    """Return a document as text; XML has no control characters, not even written out."""
     ET.indent(root)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+    text = CONTROL.sub("_", ET.tostring(root, encoding="unicode"))
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'

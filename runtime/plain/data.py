@@ -70,7 +70,9 @@ def write_data(library: Library, name: str, run: Run) -> str:
     structure = [*_functions(), *_labels(library.manifest), *_places(library, p), *_tables(library.manifest, run)]
     key = digest([library.manifest.key, name, *structure])
     numbers = [_array("double", "values", _reals(p)), _array("double", "start", _reals(start))]
-    return "\n".join([HEAD.format(name=name), *structure, *numbers, _model(library, name, key, run), ""])
+    return "\n".join(
+        [HEAD.format(name=name.replace("*/", "* /")), *structure, *numbers, _model(library, name, key, run), ""]
+    )
 
 
 def fixed_parameters(manifest: Manifest) -> list[bool]:
@@ -223,5 +225,5 @@ def _reals(values: Iterable[float]) -> list[str]:
 
 
 def _text(value: str) -> str:
-    """Write a string."""
-    return json.dumps(value)
+    """Write a string; C would read ``??/`` as a backslash (a trigraph)."""
+    return json.dumps(value).replace("?", "\\?")

@@ -73,10 +73,10 @@ class Steered:
         values, led = self.values | (changes or {}), self.tables | (tables or {})
         return simulate(self.library, values, t_end=t_end, rate=rate, rtol=rtol, tables=led, method="erk")
 
-    def write(self, path, kind="co-simulation", t_end=T_END, rate=RATE, tables=None, inputs=None):
-        """Write it as an FMU, with other tables or inputs where they are given."""
+    def write(self, path, kind="co-simulation", t_end=T_END, rate=RATE, tables=None, inputs=None, **called):
+        """Write it as an FMU, with other tables, inputs, name or title where they are given."""
         led, inputs = self.tables | (tables or {}), self.inputs if inputs is None else inputs
-        options = {"kind": kind, "name": self.name, "title": self.title, "tables": led, "inputs": inputs}
+        options = {"kind": kind, "name": self.name, "title": self.title, "tables": led, "inputs": inputs} | called
         return write_fmu(self.library, self.values, path, t_end=t_end, rate=rate, **options)
 
 

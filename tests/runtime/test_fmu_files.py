@@ -39,6 +39,14 @@ def test_the_same_scene_gives_the_same_bytes(cs, me, pair, folder):
         assert (folder / "again.fmu").read_bytes() == path.read_bytes()
 
 
+@pytest.mark.parametrize("kind", ["co-simulation", "model-exchange"])
+def test_whatever_a_scene_is_called_its_fmu_is_valid(kind, pair, folder):
+    """XML has no control characters; in C ``*/`` ends a comment, and ``??/`` a string."""
+    path = folder / "named.fmu"
+    pair.write(path, kind=kind, name='a */ "b" ??/', title='\x01 <c> & "d"\n\u00e4')
+    assert validate_fmu(str(path)) == []
+
+
 @pytest.mark.parametrize("version", [2, 3])
 def test_signatures_are_those_of_the_standard(version, folder):
     cc, source = shutil.which("cc"), NATIVE / f"fmi{version}.c"
