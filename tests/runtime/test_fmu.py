@@ -35,7 +35,7 @@ def missed(found, result):
 @pytest.mark.parametrize("kind", ["cs", "me"])
 def test_forces_are_those_of_simulate(kind, ours, request):
     found, counts = run(request.getfixturevalue(kind)), ours.summary["counts"]
-    assert missed(found, ours) < (1e-7 if kind == "cs" else 1e-5)
+    assert missed(found, ours) < (1e-8 if kind == "cs" else 1e-6)
     assert found["switchings"][-1] == counts["events"] > 25
     assert found["regime_changes"][-1] == counts["regimes"] > 20  # teeth part and meet again
     assert found["pair.output.angle"] == pytest.approx(ours.rotor["pair.output"].angle.values, rel=1e-9, abs=1e-12)
