@@ -30,7 +30,7 @@ def main() -> None:
     """Simulate two seconds of the rig, write its report and photograph it."""
     with TemporaryDirectory() as folder:
         file, page = Path(folder, "rig.nc"), Path(folder, "rig.html")
-        run("rig-2mw", None, file, 2.0, "auto", 1e-6, oversample=4, verify=True)
+        run("rig-2mw", None, file, 2.0, "auto", 1e-6, verify=True)
         result = load(file)
         write_report(result, page, find_background(result, True))
         print(f"page of {page.stat().st_size / 1e6:.2f} MB")

@@ -9,8 +9,8 @@ from importlib.metadata import version
 from typing import Any
 
 PLAIN = (
-    "scene", "method", "why", "engine", "rtol", "oversample", "status", "simulated_s", "real_time_factor",
-    "energy_residual", "static_strain_j",
+    "scene", "method", "why", "engine", "rtol", "rate_hz", "why_rate", "band_hz", "status", "simulated_s",
+    "real_time_factor", "energy_residual", "static_strain_j",
 )  # fmt: skip
 """Parts of a summary that are text or a number."""
 STRUCTURED = ("counts", "warnings", "seconds", "accuracy", "setting")
@@ -33,7 +33,7 @@ def read_summary(attributes: Mapping[str, Any]) -> dict[str, Any]:
     """Return the summary that attributes keep, which ``form`` has found to be what ltcgear writes."""
     kept: dict[str, Any] = {name: attributes[name] for name in PLAIN if name in attributes}
     kept = {name: value.item() if hasattr(value, "item") else value for name, value in kept.items()}
-    kept["why"] = None if kept.get("why") == "null" else kept.get("why")
+    kept |= {name: None if kept.get(name) == "null" else kept.get(name) for name in ("why", "why_rate")}
     kept |= {name: json.loads(attributes[name]) for name in STRUCTURED if name in attributes}
     forces = json.loads(attributes[STATISTICS])
     return kept | {FORCES: {mesh: _numbers(one) for mesh, one in forces.items()}}

@@ -112,21 +112,44 @@ def excited_rates(library: Library, at: Equilibrium, p: Vector, rtol: float) -> 
     A jump leaves each mode with an amplitude that dies away until the next one. What varies without jumps feeds its
     modes all the time.
     """
-    scale = vibration_scale(library, at, p)
-    values, shapes = _modes(library, at, p, scale)
-    pushes, between = _pushes(library, at, p) / scale[:, None], _between(library, at, p)
-    moving = np.abs(values) > RIGID * np.abs(values).max()
-    parts = np.linalg.lstsq(shapes, pushes.astype(np.complex128), rcond=None)[0][moving]
-    values, shapes = values[moving], np.abs(shapes[:, moving])
-    decay = np.maximum(-values.real, 0.0) * (between if len(at.levels) else 0.0)
-    staying = 1 / np.sqrt(np.maximum(1 - np.exp(-2 * decay), 1e-3))
-    amplitude = np.abs(parts).max(axis=1, initial=0.0) / np.abs(values) * staying
+    values, amplitude, shapes = excited_modes(library, at, p, vibration_scale(library, at, p))
+    decay = _decay(library, at, p, values)
     weight = np.maximum(shapes @ amplitude, 1.0)
     size = (shapes / weight[:, None]).max(axis=0) * amplitude
     angles = (ERROR * size[:, None] * np.exp(-np.outer(decay, TIMES)) / rtol) ** 0.2
     rates = np.abs(values)[:, None] * np.where(angles * REST > 1, angles, 0.0)
     # Once set going, the slowest mode is to be followed.
     return values, np.maximum(rates.max(axis=0), np.abs(values).min() if amplitude.any() else 0.0)
+
+
+def excited_modes(library: Library, at: Equilibrium, p: Vector, scale: Vector) -> tuple[Complex, Vector, Vector]:
+    """Return how far the modes are set going by jumps of stiffness, errors of teeth and loads.
+
+    Parameters
+    ----------
+    library, at, p
+        Model, its loaded equilibrium, parameters.
+    scale
+        See ``scaling.vibration_scale``, shape (n,).
+
+    Returns
+    -------
+    values, amplitude, shapes
+        Eigenvalues of all modes that are not rigid [1/s], shape (m,), their amplitudes in scaled coordinates after many
+        pushes, shape (m,), and the magnitudes of their shapes, shape (n, m).
+    """
+    values, shapes = _modes(library, at, p, scale)
+    pushes = _pushes(library, at, p) / scale[:, None]
+    moving = np.abs(values) > RIGID * np.abs(values).max()
+    parts = np.linalg.lstsq(shapes, pushes.astype(np.complex128), rcond=None)[0][moving]
+    values, sizes = values[moving], np.abs(shapes[:, moving])
+    staying = 1 / np.sqrt(np.maximum(1 - np.exp(-2 * _decay(library, at, p, values)), 1e-3))
+    return values, np.abs(parts).max(axis=1, initial=0.0) / np.abs(values) * staying, sizes
+
+
+def _decay(library: Library, at: Equilibrium, p: Vector, values: Complex) -> Vector:
+    """Return the exponent by which each mode dies away between two switchings [1]."""
+    return np.asarray(np.maximum(-values.real, 0.0) * (_between(library, at, p) if len(at.levels) else 0.0))
 
 
 def _modes(library: Library, at: Equilibrium, p: Vector, scale: Vector) -> tuple[Complex, Complex]:

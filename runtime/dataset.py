@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .extremes import MeshExtremes
+from .averages import STATISTICS, Statistics
 from .form import FORM
 from .library import Library
 from .quantities import LONG_NAMES
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 
 
-def make_dataset(library: Library, p: Vector, rows: Rows, extremes: MeshExtremes | None = None) -> "xr.Dataset":
+def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics | None = None) -> "xr.Dataset":
     """Write rows as an xarray Dataset.
 
     Parameters
@@ -29,8 +29,8 @@ def make_dataset(library: Library, p: Vector, rows: Rows, extremes: MeshExtremes
         Model and its parameters, shape (n_p,).
     rows
         Outputs, states and levels of kept samples (see ``reading``); there may be none.
-    extremes
-        Extremes of the mesh forces, where the run is over.
+    statistics
+        Statistics of the outputs along the motion, where the run reached its end.
 
     Returns
     -------
@@ -50,8 +50,7 @@ def make_dataset(library: Library, p: Vector, rows: Rows, extremes: MeshExtremes
         dimension = _dimension(library, quantity, places, coordinates)
         meta = {"units": manifest.reports[places[0]].unit or "1", "long_name": LONG_NAMES[quantity]}
         data[quantity] = (("time", dimension), columns[quantity], meta)
-    if "mesh_force" in data and extremes is not None:
-        data |= _extremes(extremes)
+    data |= _statistics(library, statistics, coordinates) if statistics is not None else {}
     if manifest.levels:
         coordinates["switched_mesh"] = list(manifest.levels)
         meta = {"units": "1", "long_name": LONG_NAMES["mesh_level"]}
@@ -105,11 +104,11 @@ def _dimension(library: Library, quantity: str, columns: list[int], coordinates:
     return dimension
 
 
-def _extremes(extremes: MeshExtremes) -> dict[str, Any]:
-    """Return the extremes of the mesh forces between samples, over the second half of the run."""
-    names = {"lowest": extremes.steady[0], "highest": extremes.steady[1]}
-    meta = {"units": "N", "from_s": extremes.half}
-    return {
-        f"mesh_force_{word}": ("mesh", values, meta | {"long_name": f"{word} mesh force, between samples too"})
-        for word, values in names.items()
-    }
+def _statistics(library: Library, found: Statistics, coordinates: dict[str, Any]) -> dict[str, Any]:
+    """Return the statistics of all outputs along the motion."""
+    reports = library.manifest.reports
+    coordinates["statistic"] = list(STATISTICS)
+    coordinates["output"] = [f"{report.quantity}:{report.item}" for report in reports]
+    coordinates["output_unit"] = ("output", [report.unit or "1" for report in reports])
+    meta = {"long_name": LONG_NAMES["statistics"], "from_s": found.span[0], "to_s": found.span[1]}
+    return {"statistics": (("statistic", "output"), found.values, meta)}

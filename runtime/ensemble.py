@@ -23,6 +23,7 @@ from .choice import Choice
 from .dataset import make_dataset
 from .integration import check_length
 from .library import Library
+from .rates import Rate
 from .reading import no_rows
 from .results import Result
 from .signals import Pairs
@@ -53,10 +54,10 @@ def simulate_many(
     sets: Iterable[Mapping[str, float]],
     *,
     t_end: float,
-    rate: float,
+    rate: float | None = None,
     method: str = DEFAULT_METHOD,
     rtol: float = DEFAULT_RTOL,
-    oversample: int = 1,
+    raw: bool = False,
     attributes: Mapping[str, Any] | None = None,
     told: Told = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
@@ -90,11 +91,12 @@ def simulate_many(
         If an option or a parameter set is wrong, before anything runs.
     """
     given, count = list(sets), _count_workers(workers)
-    check_options(method, rtol, t_end, oversample)
-    check_length(t_end * rate)
+    check_options(method, rtol, t_end)
     _check_sets(library, given)
-    check_size(library, t_end * rate * min(len(given), AHEAD * count + 1))
-    options = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "oversample": oversample, "tables": tables}
+    if rate is not None:
+        check_length(t_end * rate)
+        check_size(library, t_end * rate * min(len(given), AHEAD * count + 1))
+    options = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "raw": raw, "tables": tables}
     vectors = [library.parameters(values) for values in given]
     return _Ensemble(library, vectors, options, attributes, told).results(count)
 
@@ -211,7 +213,8 @@ class _Ensemble:
     def _nothing(self, k: int, error: LtcgearError) -> tuple[Any, dict[str, Any]]:
         """Return data and summary of a run that could not begin."""
         options = self.options
-        settings = list_settings(self.library, Choice(options["method"], None), options["rtol"], options["oversample"])
+        choice, sampling = Choice(options["method"], None), Rate(options["rate"], None)
+        settings = list_settings(self.library, choice, options["rtol"], sampling, True)
         counts = asdict(Counts()) | {"expected_events": 0}
         summary = settings | {"status": str(error), "simulated_s": 0.0, "counts": counts, "forces": {}, "seconds": {}}
         return make_dataset(self.library, self.vectors[k], no_rows(self.library)), summary | {"warnings": []}

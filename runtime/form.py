@@ -12,7 +12,7 @@ from .quantities import LONG_NAMES
 if TYPE_CHECKING:
     import xarray as xr
 
-FORM = 1
+FORM = 2
 """Number of the form of result files; it grows when files that a later ltcgear reads are no longer those of before."""
 NUMBER, WHOLE, MAYBE, WORDS = (int, float), (int,), (int, float, type(None)), (str, type(None))
 DISC = {"body": (str,), "x": NUMBER, "y": NUMBER, "radius": NUMBER, "part": (str,), "unit": NUMBER}
@@ -29,15 +29,15 @@ SHAPES: dict[str, Any] = {
     "sheet": {"discs": [DISC], "titles": [[(str, int, float)]], "width": NUMBER, "height": NUMBER},
 }
 """Attribute -> shape of its JSON: types, a list of one shape, a table of known keys, or of any (``...``)."""
-TEXT = ("scene", "title", "method", "why", "engine", "status", "scene_text")
-NUMBERS = ("rtol", "oversample", "simulated_s", "real_time_factor", "energy_residual", "static_strain_j")
+TEXT = ("scene", "title", "method", "why", "why_rate", "engine", "status", "scene_text")
+NUMBERS = ("rtol", "rate_hz", "band_hz", "simulated_s", "real_time_factor", "energy_residual", "static_strain_j")
 NEEDED = ("time", "state", "reference_angle", "steps", "parameter_value", "parameter_unit")
 NEEDED_ATTRIBUTES = ("method", "status", "counts", "warnings", STATISTICS, "sheet")
 ALONE = ("reference_angle", "steps")
 """Variables over time alone."""
 PLANAR = ("displacement", "velocity", "acceleration", "bearing_force", "pin_force")
 """Quantities with two axes."""
-FIXED = ("mesh_force_lowest", "mesh_force_highest", "speed_ratio", "parameter_value")
+FIXED = ("statistics", "speed_ratio", "parameter_value")
 """Variables that do not change over time."""
 
 

@@ -16,13 +16,13 @@ from .extremes import MeshExtremes
 from .guard import check_explicit
 from .library import Library
 from .march import March, Snapshot
-from .sampling import Block, Samples, join
+from .sampling import Block, Points, Samples, join
 from .signals import Pairs, Signals
 from .stepper import EXPLICIT, Counts
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
-Push = Callable[[Block], None]
+Push = Callable[[Block, Points], None]
 CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
 MARK_SECONDS, SLICE = 2.0, 0.05
 """Seconds between two marks of a run; seconds after which the C comes back to see whether it shall stop."""
@@ -91,6 +91,8 @@ class Integration:
         See ``stepper``.
     tables
         The model's tables over time, by name.
+    passing
+        See ``march.March``.
 
     Raises
     ------
@@ -102,7 +104,7 @@ class Integration:
 
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
-        tables: Mapping[str, Pairs] | None = None,
+        tables: Mapping[str, Pairs] | None = None, passing: float | None = None,
     ) -> None:  # fmt: skip
         clock = perf_counter()
         if method in EXPLICIT:
@@ -112,10 +114,10 @@ class Integration:
         self.signals = Signals(library.manifest.signals, tables or {})
         self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})"
         try:
-            self.march = March(library, p, at, method, rtol, last, rate, self.signals)
+            self.march = March(library, p, at, method, rtol, last, rate, self.signals, passing=passing)
         except RuntimeError as error:
             raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
-        self.push: Push = lambda block: None
+        self.push: Push = lambda block, points: None
         self.status = self.cause = ""
         self.samples = Samples(self.march, last, rate, self._push)
         self.seconds = {"prepare": perf_counter() - clock, "integrate": 0.0, "outputs": 0.0}
@@ -132,7 +134,7 @@ class Integration:
         Parameters
         ----------
         push
-            Takes the samples, block by block.
+            Takes the samples, block by block, and the points up to each block's last sample.
         told
             Called with the simulated time now and then.
         mark
@@ -164,12 +166,12 @@ class Integration:
         """Return all that the integration needs to go on as if it had not stopped."""
         self._tick("integrate")
         kept = {f"seconds.{name}": np.array(value) for name, value in self.seconds.items()}
-        return self.march.snapshot() | kept | {"samples": np.array(self.samples.done)}
+        return self.march.snapshot() | kept | self.samples.snapshot()
 
     def restore(self, kept: Snapshot) -> None:
         """Go on from a snapshot."""
         self.march.restore(kept)
-        self.samples.goto(int(kept["samples"]))
+        self.samples.restore(kept)
         for name in self.seconds:
             self.seconds[name] += float(kept[f"seconds.{name}"])
 
@@ -196,10 +198,10 @@ class Integration:
                 told(march.time)
         return "done"
 
-    def _push(self, block: Block) -> None:
+    def _push(self, block: Block, points: Points) -> None:
         """Hand a block on."""
         self._tick("integrate")
-        self.push(block)
+        self.push(block, points)
         self._tick("outputs")
 
     def _tick(self, stage: str) -> None:
@@ -229,5 +231,5 @@ def integrate(
     """
     kept: list[Block] = []
     options: dict[str, Any] = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "tables": tables}
-    outcome = Integration(library, p, at, **options).proceed(kept.append, told)
+    outcome = Integration(library, p, at, **options).proceed(lambda block, points: kept.append(block), told)
     return Trajectory(**vars(outcome), **vars(join(kept)))

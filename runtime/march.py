@@ -22,6 +22,7 @@ from .kernel import Kernel
 from .library import Library
 from .native import FAULTS, FINE, NAMES, STAGES, STOPPED, Native
 from .nodes import Chebyshev, Nodes, Uniform
+from .quadrature import gauss_rules
 from .regimes import Regimes
 from .scaling import fastest, vibration_scale
 from .signals import Signals
@@ -43,6 +44,12 @@ SHORTEST = 1 / 64
 """By how much a segment may be shorter than that, where stiffness or loads vary faster than any mode swings."""
 LONGEST = 4096
 """By how much a segment may outgrow the one that resolves the fastest mode: found again in 12 halvings."""
+BLOCK = 256
+"""Samples in a block where nothing switches or bends."""
+APART, MOST_FINER = 1.2, 64
+"""Nodes of such a block a turn of the fastest mode, at least, where points are taken; most nodes to a sample."""
+POINT_ROOM = 4096
+"""Points that wait to be taken; no segment adds more than half of them."""
 CAPACITY = 2048
 """Samples that wait to be taken; no segment holds more than half of them."""
 Snapshot = dict[str, NDArray[np.generic]]
@@ -63,6 +70,9 @@ class March:
         The load signals.
     dense
         Whether all arcs shall have nodes between which their path can be read, even where nothing switches or bends.
+    passing
+        Take points of the motion too (``native/points.c``), at which it and what varies so fast [rad/s] are resolved;
+        None takes none.
 
     Attributes
     ----------
@@ -81,7 +91,7 @@ class March:
 
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
-        signals: Signals, dense: bool = False,
+        signals: Signals, dense: bool = False, passing: float | None = None,
     ) -> None:  # fmt: skip
         self.library, self.signals, self.rtol = library, signals, rtol
         names = [state.name for state in library.manifest.states]
@@ -95,7 +105,7 @@ class March:
         self.p = native.share("p", self.clocks.parameters(self.turns))
         self.frame = Frame(at.x, vibration_scale(library, at, self.p))
         self.z = native.share("z", np.zeros(len(at.x)))
-        self._lay_out(method, samples, rate, dense)
+        self._lay_out(method, samples, rate, dense, passing)
         self._set_levels(names)
         self._set_regimes(signals.at(0.0), self.angle if self.angle >= 0 and "reference.speed" not in names else None)
         self._set_room(samples, rate)
@@ -108,13 +118,13 @@ class March:
         self.broken: BaseException | None = None
         self.first_energy = self.energy(self.z, self.cells, signals.at(0.0))
 
-    def _lay_out(self, method: str, samples: int, rate: float, dense: bool) -> None:
+    def _lay_out(self, method: str, samples: int, rate: float, dense: bool, passing: float | None) -> None:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
         A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
         1e-9 whatever swings. Segments begin with that length, grow where the fastest modes are at rest, and shrink
         where stiffness or loads vary faster. Blocks are equally long; explicit methods get nodes between samples that
-        lie far apart, lest they run out of steps.
+        lie far apart, lest they run out of steps, and so do all whose points are taken, which nodes are there.
         """
         state, share, manifest = self.state, self.native.share, self.library.manifest
         quickest = fastest(self.library, self.at, self.p)
@@ -128,14 +138,28 @@ class March:
             share("weights", nodes.weights)
         else:
             finer = max(ceil(quickest / rate / WIDEST), 1) if method in EXPLICIT else 1
+            if passing is not None:
+                finer = max(finer, min(ceil((APART * quickest + passing) / (TURN * rate)), MOST_FINER))
             turning = self._reference_speed() / (MOST_TURNS * TURN)
-            most = max(1, min(256, int(rate / turning) * finer if turning else 256))
+            block = BLOCK * min(finer, 4)
+            most = max(1, min(block, int(rate / turning) * finer if turning else block))
             block = ceil(samples * finer / ceil(samples * finer / most))
             self.nodes, state.longest, state.uniform = Uniform(block), block / finer / rate, 1
         state.shortest, state.first = SHORTEST * state.longest, state.longest
         state.rtol, state.unresolved = self.rtol, max(UNRESOLVED.get(method, COARSE) * self.rtol, FINEST)
         state.fresh = 1
         state.n_nodes = len(share("points", self.nodes.points))
+        if passing is not None:
+            self._set_points(quickest, passing)
+
+    def _set_points(self, quickest: float, passing: float) -> None:
+        """Set the points of arcs: what they shall resolve [rad/s], and the rules that do."""
+        state, share, rules = self.state, self.native.share, gauss_rules()
+        state.turning, state.passing, state.n_gauss = quickest, passing, len(rules.motion)
+        for name, values in (("at", rules.at), ("weight", rules.weight), ("motion", rules.motion)):
+            share(f"gauss_{name}", values)
+        share("gauss_filter", rules.filtered)
+        state.point_room = POINT_ROOM
 
     def _set_levels(self, names: list[str]) -> None:
         """Set the cells of the mesh phases at the start, and what may turn them back."""
@@ -187,6 +211,8 @@ class March:
             "seen_time": 3,
             **dict.fromkeys(("sample_time", "sample_steps"), CAPACITY),
             **{"sample_x": (CAPACITY, n), "sample_levels": (CAPACITY, meshes)},
+            **dict.fromkeys(("point_time", "point_weight"), state.point_room),
+            **{"point_x": (state.point_room, n), "point_levels": (state.point_room, meshes)},
         }
         for name, size in sizes.items():
             share(name, np.zeros(size))

@@ -15,7 +15,10 @@ from numpy.typing import NDArray
 from .library import Library, load
 from .switching import AT_BORDER
 
-SOURCES = ("head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "march.c", "rows.c", "adjoint.c")
+SOURCES = (
+    "head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "points.c", "march.c", "rows.c", "filter.c",
+    "adjoint.c",
+)  # fmt: skip
 NEEDED = "simulating needs a C compiler, and none was found; install gcc or clang, or name one with CC"
 FAULTS = (
     "",
@@ -34,9 +37,10 @@ STOPPED = len(FAULTS) - 1
 SHARED = (
     # sizes, places and numbers that stay
     ("fixed", "whole", "n n_levels n_signals n_holds n_nodes n_forces angle speed free held uniform finds_borders"),
-    ("fixed", "whole", "last capacity most_steps"),
-    ("fixed", "real", "rtol shortest widest unresolved held_speed held_value end sampling"),
+    ("fixed", "whole", "last capacity most_steps n_gauss point_room"),
+    ("fixed", "real", "rtol shortest widest unresolved held_speed held_value end sampling turning passing"),
     ("fixed", "reals", "origin scale points last_terms weights fine error slack zeros"),
+    ("fixed", "reals", "gauss_at gauss_weight gauss_motion gauss_filter"),
     ("fixed", "wholes", "hold_index"),
     ("fixed", "function", "motion phases borders energy"),
     ("fixed", "advance", "advance"),
@@ -50,9 +54,10 @@ SHARED = (
     ("kept", "wholes", "cells last_turn"),
     ("kept", "bytes", "sides"),
     # what it hands on, and room to work in
-    ("passing", "whole", "done filled seen began"),
+    ("passing", "whole", "done filled pointed seen began"),
     ("passing", "real", "reached"),
     ("passing", "reals", "sample_x sample_time sample_levels sample_steps s path node_work x y y_after trial"),
+    ("passing", "reals", "point_x point_time point_weight point_levels"),
     ("passing", "reals", "stages power rate balance forces seen_time seen_forces arc_lowest arc_steady"),
     ("passing", "reals", "now after ahead gain"),
     ("passing", "reals", "s_now s_end signals_end z_near z_far g_now g_start g_slope g_noise node_values fine_values"),
@@ -147,6 +152,10 @@ def engine() -> ctypes.CDLL:
     found.ltcgear_pass.restype = None
     column = (ctypes.c_void_p, ctypes.c_longlong)
     found.ltcgear_rows.argtypes = [ctypes.POINTER(Function), ctypes.c_longlong, *column * 4]
+    count, data = ctypes.c_longlong, ctypes.c_void_p
+    found.ltcgear_filter.argtypes = [*[count] * 4, *[data] * 4, count, data, data]
+    found.ltcgear_sums.argtypes = [count, count, data, data, data]
+    found.ltcgear_filter.restype = found.ltcgear_sums.restype = None
     return found
 
 

@@ -34,8 +34,9 @@ EndTime = Annotated[
 ]
 PaperEnd = Annotated[float, typer.Option("--t-end", help=f"Time to simulate [s], {SHORTEST_PAPER} at least.")]
 Method = Annotated[str, typer.Option("--method", help="auto, erk, rosenbrock, cvodes, adams, idas or sundae.")]
-Oversample = Annotated[
-    int, typer.Option("--oversample", min=1, max=64, help="Samples per sample kept; filters accelerations.")
+Raw = Annotated[
+    bool,
+    typer.Option("--raw", help="Keep outputs of the instant, not band-limited: jumps then show as false lines."),
 ]
 Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it refers to vibrations.")]
 Verify = Annotated[

@@ -20,12 +20,13 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from .results import has_sum
-from .statistics import BLOCK, ForceSums
 
 if TYPE_CHECKING:
     import xarray as xr
 
 
+BLOCK = 1024
+"""Rows that are copied at once."""
 MARK = -1.7281924756351e-306
 """A time that no run knows; by it a new file's records are found."""
 BEGIN, PLACE = "records_begin", -3.9471520846213e-306
@@ -124,13 +125,6 @@ class Part:
         left = memoryview(data)
         while left:
             left = left[self.file.write(left) :]
-
-    def force_sums(self) -> ForceSums:
-        """Return sums and extremes of the mesh forces over the second half of the rows."""
-        sums = ForceSums(self.record["mesh_force"].shape[0])
-        for records in self._blocks(self.rows // 2):
-            sums.note(records["mesh_force"].astype(np.float64))
-        return sums
 
     def seal(self, heading: "xr.Dataset") -> None:
         """Write the result; it appears whole or not at all.

@@ -280,8 +280,16 @@ def simulated(data: Data) -> None:
     )
     if data["why"]:
         console.print(f"{data['method']}, since {data['why']}")
+    console.print(_sampling(data))
     if "accuracy" in data:
         console.print(escape(_accuracy(data["accuracy"])))
+
+
+def _sampling(data: Data) -> str:
+    """Say how outputs were sampled."""
+    since = f", since {data['why_rate']}" if data["why_rate"] else ""
+    band = f"band-limited to {data['band_hz']:.6g} Hz" if "band_hz" in data else "raw, not band-limited"
+    return f"{data['rate_hz']:.6g} samples a second{since}; {band}"
 
 
 def _accuracy(data: Data) -> str:

@@ -27,6 +27,7 @@ LONG_NAMES = {
     "drive_torque": "torque of the drive that holds the speed",
     "load_torque": "torque of the load on its member",
     "reference_angle": "angle of the reference, whole turns included",
+    "statistics": "statistics of the outputs over the second half of the run, along the motion",
     "steps": "steps of the integrator so far",
     "speed_ratio": "rigid speed over that of the reference",
     "parameter_value": "value of the parameter",

@@ -1,31 +1,32 @@
-"""Reading: samples of an integration -> outputs at those that are kept, accelerations free of aliases."""
+"""Reading: samples and points of an integration -> outputs through the band's filter, and their statistics."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .averages import Averages
+from .band import BandFilter
 from .batch import Batch
 from .clocks import Clocks
 from .integration import Trajectory
 from .library import Library
 from .march import Snapshot
-from .sampling import Block
+from .sampling import Block, Points
 
 Vector = NDArray[np.float64]
 
-REACH = 10
-"""Kept samples to either side of one that its filter takes in; SciPy's ``decimate`` takes as many."""
-FEWEST = 64
-"""Kept samples below which a run is too short to be filtered."""
+INSTANT = ("mesh_contact",)
+"""Quantities that are not measured but told: they stay those of the instant."""
 
 
 @dataclass(frozen=True)
 class Rows:
     """Kept samples: numbers among all samples, times [s], outputs, states, levels, and steps so far.
 
-    Shapes (m,), and (m, ...) of outputs, states and levels.
+    Shapes (m,), and (m, ...) of outputs, states and levels. States and levels are those of the instant.
     """
 
     index: NDArray[np.int64]
@@ -61,12 +62,12 @@ def by_quantity(library: Library) -> dict[str, list[int]]:
     return columns
 
 
-def outputs_of(library: Library, clocks: Clocks, samples: Block | Trajectory) -> Vector:
+def outputs_of(library: Library, clocks: Clocks, samples: Block | Points | Trajectory) -> Vector:
     """Evaluate the outputs at samples, shape (m, n_y); mesh phases count on over all turns."""
     return _outputs(Batch(library, "outputs"), clocks, samples)
 
 
-def _outputs(batch: Batch, clocks: Clocks, samples: Block | Trajectory) -> Vector:
+def _outputs(batch: Batch, clocks: Clocks, samples: Block | Points | Trajectory) -> Vector:
     """Evaluate the outputs by a function that is bound already."""
     values = clocks.outputs(batch, samples.x, samples.s, samples.phi, samples.turns)
     for column, report in enumerate(batch.library.manifest.reports):
@@ -76,90 +77,134 @@ def _outputs(batch: Batch, clocks: Clocks, samples: Block | Trajectory) -> Vecto
 
 
 class Reader:
-    """Reads outputs at every ``oversample``-th sample, block by block; no number depends on where blocks end.
+    """Reads outputs block by block; no number depends on where blocks end.
 
-    Stiffness jumps make accelerations jump, so their spectrum has no end, and samples taken as they are
-    show tones above half the sampling rate as false lines below it. Here the mean acceleration between
-    samples (the difference of velocities, which are continuous) goes through SciPy's zero-phase FIR filter,
-    whose band ends gently: lines up to 0.4 of the sampling rate are free of aliases. Beyond the ends of
-    the run it is mirrored. A row is held back until all is there that its filter takes in.
+    Outputs are band-limited (see ``band``) or, raw, those of the instant. Either way their statistics over the second
+    half of the run are integrated along the motion (see ``averages``). A row is held back until all is there that its
+    filter takes in.
 
     Parameters
     ----------
     library, p
         Model, and parameters at reference angle 0, shape (n_p,).
-    rate
-        Samples a second [Hz], before they are thinned.
-    oversample
-        How many samples make one row.
+    rate, t_end
+        Samples a second [Hz] and time that is simulated [s].
+    raw
+        Whether outputs are those of the instant.
     """
 
-    def __init__(self, library: Library, p: Vector, rate: float, oversample: int) -> None:
+    def __init__(self, library: Library, p: Vector, rate: float, t_end: float, raw: bool) -> None:
         self.batch, self.clocks = Batch(library, "outputs"), Clocks(library.manifest, p)
-        self.rate, self.oversample = rate, oversample
-        columns = by_quantity(library)
-        self.filters = oversample > 1 and "velocity_x" in columns
-        self.axes = [(columns[f"velocity_{a}"], columns[f"acceleration_{a}"]) for a in "xy" if self.filters]
-        self.taken = self.rows = 0
-        self.held: Rows | None = None
+        self.rate, self.raw, self.taken = rate, raw, 0
+        self.span = t_end / 2, t_end
+        self.instant = [i for i, report in enumerate(library.manifest.reports) if report.quantity in INSTANT]
+        self.held = no_rows(library)
+        self.start: Vector | None = None
 
-    def read(self, block: Block) -> Rows:
-        """Take in a block; return the rows that are ready."""
-        values = _outputs(self.batch, self.clocks, block)
+    @cached_property
+    def filter(self) -> BandFilter:
+        """The filter."""
+        return BandFilter(self.rate, self._start)
+
+    @cached_property
+    def averages(self) -> Averages:
+        """The sums along the motion."""
+        return Averages(self.span, self._start)
+
+    @property
+    def _start(self) -> Vector:
+        """Return the outputs at time zero."""
+        if self.start is None:
+            raise RuntimeError("nothing was read yet")
+        return self.start
+
+    def read(self, block: Block, points: Points) -> Rows:
+        """Take in a block, and the points up to its last sample; return the rows that are ready."""
+        if self.start is None:
+            self.start = _outputs(self.batch, self.clocks, _first(block))[0]
+        self._note(points)
         index = self.taken + np.arange(len(block.time), dtype=np.int64)
         self.taken += len(index)
-        new = Rows(index, block.time, values, block.x, block.levels, block.steps)
-        self.held = new if self.held is None else join_rows([self.held, new])
-        ready = (self.taken - 1) // self.oversample + 1
-        if self.filters:
-            ready = (self.taken - 2) // self.oversample - REACH + 1 if ready >= FEWEST else 0
-        return self._release(max(ready, self.rows), False)
+        values = self._values(block)
+        self.held = join_rows([self.held, Rows(index, block.time, values, block.x, block.levels, block.steps)])
+        return self._release(self.held.values if self.raw else self.filter.release())
 
     def finish(self) -> Rows:
         """Return the rows that were held back, once no more samples come."""
-        return self._release((self.taken - 1) // self.oversample + 1, True)
+        if self.raw or self.start is None or not len(self.held.index):
+            return self._release(self.held.values)
+        return self._release(self.filter.finish(self.taken - 1, self.last - self.start))
+
+    def statistics(self) -> Vector:
+        """Return the outputs' statistics, see ``averages``, shape (5, n_y)."""
+        return self.averages.statistics()
+
+    def _note(self, points: Points) -> None:
+        """Take points into filter and statistics."""
+        if not len(points.time):
+            return
+        values = _outputs(self.batch, self.clocks, points) - self._start
+        self.averages.take(points.time, points.weight, values)
+        if not self.raw:
+            self.filter.take(points.time, points.weight, values)
+
+    def _values(self, block: Block) -> Vector:
+        """Return what of the outputs is that of the instant; the last ones are kept for the end of the filter."""
+        if self.raw or self.instant:
+            values = _outputs(self.batch, self.clocks, block)
+            self.last = values[-1].copy()
+            return values
+        self.last = _outputs(self.batch, self.clocks, _last(block))[0]
+        return np.zeros((len(block.time), self.batch.width))
+
+    def _release(self, values: Vector) -> Rows:
+        """Return the rows whose values are known, and forget them."""
+        count = len(values)
+        rows = self.held[slice(0, count)]
+        self.held = self.held[slice(count, None)]
+        if not self.raw:
+            instant = rows.values[:, self.instant]
+            rows.values[:], rows.values[:, self.instant] = values, instant
+        return rows
 
     def snapshot(self) -> Snapshot:
         """Return all that the reader remembers."""
-        held = {f"held.{name}": value for name, value in vars(self.held).items()} if self.held else {}
-        return held | {"reader.taken": np.array(self.taken), "reader.rows": np.array(self.rows)}
+        if self.start is None:
+            return {}
+        kept: Snapshot = {f"held.{name}": value for name, value in vars(self.held).items()}
+        kept |= {"reader.taken": np.array(self.taken), "reader.start": self.start, "reader.last": self.last}
+        kept["reader.sums"] = self.averages.sums
+        return kept if self.raw else kept | {f"filter.{name}": value for name, value in self.filter.snapshot().items()}
 
     def restore(self, kept: Snapshot) -> None:
         """Go on from a snapshot."""
-        self.taken, self.rows = int(kept["reader.taken"]), int(kept["reader.rows"])
-        held: dict[str, Any] = {name.removeprefix("held."): v for name, v in kept.items() if name.startswith("held.")}
-        self.held = Rows(**held) if held else None
-
-    def _release(self, ready: int, last: bool) -> Rows:
-        """Return the rows before number ``ready`` and forget what no later one needs."""
-        if self.held is None:
-            raise RuntimeError("rows are asked for before any sample was read")
-        q, held, first = self.oversample, self.held, self.taken - len(self.held.index)
-        rows = held[slice(self.rows * q - first, ready * q - first, q)]
-        if self.filters and len(rows.index) and (not last or ready >= FEWEST):
-            for velocity, acceleration in self.axes:
-                rows.values[:, acceleration] = self._accelerations(held.values[:, velocity], first, ready, last)
-        needed = (ready - REACH) * q - 1 if self.filters else ready * q
-        self.rows, self.held = ready, held[slice(max(needed - first, 0), None)]
-        return rows
-
-    def _accelerations(self, velocity: Vector, first: int, ready: int, last: bool) -> Vector:
-        """Return the filtered accelerations of the rows from the next one to ``ready``; samples begin at ``first``."""
-        from scipy.signal import firwin, upfirdn
-
-        q, reach = self.oversample, REACH * self.oversample
-        mean = np.gradient(velocity, 1 / self.rate, axis=0)
-        before = reach if first == 0 else 0
-        longer = np.pad(mean, ((before, reach if last else 0), (0, 0)), mode="reflect")
-        begin = first - before
-        part = longer[self.rows * q - reach - begin : (ready - 1) * q + reach + 1 - begin]
-        filtered = upfirdn(firwin(2 * reach + 1, 1 / q, window="hamming"), part, 1, q, axis=0)
-        return np.asarray(filtered[2 * REACH : 2 * REACH + ready - self.rows])
+        if "reader.start" not in kept:
+            return
+        known: Any = kept
+        self.taken, self.start, self.last = int(known["reader.taken"]), known["reader.start"], known["reader.last"]
+        self.held = Rows(**_under("held.", known))
+        self.averages.sums = known["reader.sums"].copy()
+        if not self.raw:
+            self.filter.restore(_under("filter.", known))
 
 
-def sampled(library: Library, path: Trajectory, p: Vector, oversample: int) -> Rows:
-    """Read the outputs of a whole trajectory at every ``oversample``-th sample."""
-    rate = (len(path.time) - 1) / (path.time[-1] - path.time[0]) if len(path.time) > 1 else 1.0
-    reader = Reader(library, p, float(rate), oversample)
-    block = Block(path.time, path.x, path.levels, path.signals, path.phi, path.turns, path.steps)
-    return join_rows([reader.read(block), reader.finish()])
+def _under(head: str, kept: dict[str, Any]) -> dict[str, Any]:
+    """Return what is kept under a heading."""
+    return {name.removeprefix(head): value for name, value in kept.items() if name.startswith(head)}
+
+
+def _first(block: Block) -> Block:
+    """Return the first sample of a block."""
+    return Block(**{name: value[:1] for name, value in vars(block).items()})
+
+
+def _last(block: Block) -> Block:
+    """Return the last sample of a block."""
+    return Block(**{name: value[-1:] for name, value in vars(block).items()})
+
+
+def sampled(library: Library, path: Trajectory, p: Vector) -> Rows:
+    """Read the outputs of a whole trajectory at its samples, as they are."""
+    values = outputs_of(library, Clocks(library.manifest, p), path)
+    index = np.arange(len(path.time), dtype=np.int64)
+    return Rows(index, path.time, values, path.x, path.levels, path.steps)

@@ -10,18 +10,18 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .attributes import GOES_ON, UNFINISHED, to_attributes
+from .averages import Statistics
 from .checkpoint import checkpoint_of, describe_run, read_checkpoint, write_checkpoint
 from .choice import Choice, choose
 from .dataset import columns_of, make_dataset
 from .equilibrium import Equilibrium, Vector, find_equilibrium
-from .extremes import MeshExtremes
-from .integration import Integration, Outcome, check_length
+from .integration import Integration, Outcome
 from .library import Library
 from .march import Snapshot
 from .part import Part, part_of
-from .reading import Reader, Rows, by_quantity, no_rows
+from .reading import Reader, Rows, no_rows
 from .results import check_target
-from .sampling import Block
+from .sampling import Block, Points
 from .signals import Pairs
 from .simulation import (
     AUTO,
@@ -29,10 +29,13 @@ from .simulation import (
     DEFAULT_RTOL,
     check_options,
     list_settings,
+    motion_statistics,
+    passing_speed,
     summarise,
+    take_rate,
+    tell_forces,
     verified,
 )
-from .statistics import between_samples
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,10 +56,10 @@ def record(
     target: str | Path,
     *,
     t_end: float,
-    rate: float,
+    rate: float | None = None,
     method: str = DEFAULT_METHOD,
     rtol: float = DEFAULT_RTOL,
-    oversample: int = 1,
+    raw: bool = False,
     attributes: Mapping[str, Any] | None = None,
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
@@ -91,11 +94,10 @@ def record(
         If a file cannot be written, or the checkpoint is missing, damaged or of another run.
     """
     target = Path(target)
-    check_options(method, rtol, t_end, oversample)
-    check_length(t_end * rate)
+    check_options(method, rtol, t_end)
     check_target(target)
     settings = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol}
-    run = describe_run(library, values, tables or {}, settings | {"oversample": oversample})
+    run = describe_run(library, values, tables or {}, settings | {"raw": raw})
     if resume:
         check_resumable(target)
     kept = read_checkpoint(target, run) if resume else None
@@ -103,10 +105,12 @@ def record(
     at = _equilibrium_of(kept) if kept else find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
     choice = choose(library, at, p, rtol) if method == AUTO else Choice(method, None)
-    about = list_settings(library, choice, rtol, oversample)
-    options: dict[str, Any] = settings | {"rate": rate * oversample, "method": choice.method, "tables": tables}
-    integration = Integration(library, p, at, **options)
-    recorder = Recorder(library, p, target, rate, oversample, to_attributes(attributes, about), kept)
+    sampling = take_rate(library, at, p, t_end, rate, tables)
+    about = list_settings(library, choice, rtol, sampling, raw)
+    options: dict[str, Any] = settings | {"rate": sampling.rate, "method": choice.method, "tables": tables}
+    integration = Integration(library, p, at, passing=passing_speed(sampling.rate, raw), **options)
+    reader = Reader(library, p, sampling.rate, t_end, raw)
+    recorder = Recorder(library, p, target, reader, to_attributes(attributes, about), kept)
     if kept:
         integration.restore(kept)
     start = {f"at.{name}": np.array(value) for name, value in asdict(at).items()}
@@ -116,15 +120,17 @@ def record(
             told,
             lambda: write_checkpoint(target, run, integration.snapshot() | recorder.snapshot() | start),
         )
-        forces = recorder.finish(outcome)
-        summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
+        heading = recorder.finish(outcome)
+        summary = (
+            about | summarise(library, p, at, outcome, tell_forces(heading)) | {"seconds": seconds | outcome.seconds}
+        )
         if verify:
-            summary |= verified(library, p, at, summary, **options | {"rate": rate})
+            summary |= verified(library, p, at, summary, **options)
         stopped = outcome.status.startswith("interrupted")
         if stopped:
             summary["status"] += f"; {GOES_ON}"
         clock = perf_counter()
-        recorder.seal(to_attributes(attributes, summary), outcome)
+        recorder.seal(to_attributes(attributes, summary), heading)
         summary["seconds"]["write"] = perf_counter() - clock
     if not stopped:
         checkpoint_of(target).unlink()
@@ -137,8 +143,10 @@ class Recorder:
 
     Parameters
     ----------
-    library, p, target, rate, oversample
+    library, p, target
         See ``record``.
+    reader
+        What reads the outputs.
     attributes
         What the file tells about itself while the run goes on.
     kept
@@ -146,11 +154,10 @@ class Recorder:
     """
 
     def __init__(
-        self, library: Library, p: Vector, target: Path, rate: float, oversample: int, attributes: Mapping[str, Any],
+        self, library: Library, p: Vector, target: Path, reader: Reader, attributes: Mapping[str, Any],
         kept: Snapshot | None,
     ) -> None:  # fmt: skip
-        self.library, self.p, self.rate, self.target = library, p, rate, target
-        self.reader = Reader(library, p, rate * oversample, oversample)
+        self.library, self.p, self.target, self.reader = library, p, target, reader
         if kept is None:
             checkpoint_of(target).unlink(missing_ok=True)
         else:
@@ -158,35 +165,29 @@ class Recorder:
         heading = self._heading({**attributes, "status": UNDER_WAY})
         self.part = Part(target, heading, None if kept is None else int(kept["part.rows"]))
 
-    def take(self, block: Block) -> None:
+    def take(self, block: Block, points: Points) -> None:
         """Read a block and append its rows."""
-        self._append(self.reader.read(block))
+        self._append(self.reader.read(block, points))
 
     def snapshot(self) -> Snapshot:
         """Return all that it needs to go on."""
         return self.reader.snapshot() | {"part.rows": np.array(self.part.rows)}
 
-    def finish(self, outcome: Outcome) -> dict[str, Any]:
-        """Append the last rows; return the statistics of the mesh forces."""
+    def finish(self, outcome: Outcome) -> "xr.Dataset":
+        """Append the last rows; return the result without any row, with the statistics of the outputs."""
         self._append(self.reader.finish())
-        columns = by_quantity(self.library).get("mesh_force", [])
-        if not columns or self.part.rows < 4:
-            return {}
-        middle = (self.part.rows - 1) / self.rate / 2
-        low, high = outcome.extremes.steady
-        extremes = between_samples(low, high, outcome.extremes.half, middle, self.rate)
-        return self.part.force_sums().statistics([self.library.manifest.reports[i].item for i in columns], *extremes)
+        return self._heading({}, motion_statistics(self.reader, outcome))
 
-    def seal(self, attributes: Mapping[str, Any], outcome: Outcome) -> None:
+    def seal(self, attributes: Mapping[str, Any], heading: "xr.Dataset") -> None:
         """Write the result."""
-        self.part.seal(self._heading(attributes, outcome.extremes))
+        self.part.seal(heading.assign_attrs(attributes))
 
     def _append(self, rows: Rows) -> None:
         self.part.append(columns_of(self.library, rows))
 
-    def _heading(self, attributes: Mapping[str, Any], extremes: MeshExtremes | None = None) -> "xr.Dataset":
+    def _heading(self, attributes: Mapping[str, Any], statistics: Statistics | None = None) -> "xr.Dataset":
         """Return the result without any row."""
-        heading = make_dataset(self.library, self.p, no_rows(self.library), extremes)
+        heading = make_dataset(self.library, self.p, no_rows(self.library), statistics)
         return heading.assign_attrs(attributes)
 
 

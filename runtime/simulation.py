@@ -1,15 +1,19 @@
 """The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
 
+import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .accuracy import estimate_accuracy
 from .attributes import to_attributes
+from .averages import STATISTICS, Statistics
+from .band import BAND
 from .choice import Choice, choose
 from .dataset import make_dataset
 from .energy import energy_residual
@@ -17,11 +21,12 @@ from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import Integration, Outcome, check_length
 from .kernel import Kernel
 from .library import Library
+from .rates import Rate, choose_rate
 from .reading import Reader, Rows, by_quantity, join_rows
 from .results import Result
 from .scaling import LOADED
 from .signals import Pairs
-from .statistics import mesh_statistics, steady_start
+from .statistics import mesh_statistics
 from .stepper import check_method
 
 if TYPE_CHECKING:
@@ -31,12 +36,11 @@ AUTO = "auto"
 """In place of a method: let ``choose`` take one."""
 DEFAULT_METHOD = AUTO
 DEFAULT_RTOL = 1e-6
-MOST_OVERSAMPLE = 64
 WRONG = 1e-2
 """Energy missing over the strain energy from which a run is warned about."""
 
 
-def check_options(method: str, rtol: float, t_end: float | None = None, oversample: int = 1) -> None:
+def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
     """Refuse options that no integrator can serve, before anything is computed."""
     if method != AUTO:
         check_method(method)
@@ -44,8 +48,6 @@ def check_options(method: str, rtol: float, t_end: float | None = None, oversamp
         raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
     if t_end is not None and not 0 < t_end < 1e7:
         raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds, greater than zero and below 1e7")
-    if not 1 <= oversample <= MOST_OVERSAMPLE:
-        raise LtcgearError(f"oversample {oversample}: must lie between 1 and {MOST_OVERSAMPLE}")
 
 
 def check_size(library: Library, samples: float) -> None:
@@ -65,10 +67,10 @@ def simulate(
     values: Mapping[str, float],
     *,
     t_end: float,
-    rate: float,
+    rate: float | None = None,
     method: str = DEFAULT_METHOD,
     rtol: float = DEFAULT_RTOL,
-    oversample: int = 1,
+    raw: bool = False,
     attributes: Mapping[str, Any] | None = None,
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
@@ -83,12 +85,13 @@ def simulate(
     values
         Parameter name -> value in SI.
     t_end, rate
-        Time to simulate [s] and samples a second [Hz].
+        Time to simulate [s] and samples a second [Hz]; without, the rate is chosen from modes and meshes (``rates``).
     method, rtol
         Integrator (see ``stepper.METHODS``; ``auto`` chooses one, see ``choice``) and its relative tolerance,
         which refers to vibrations.
-    oversample
-        Samples taken for each one kept; above 1, accelerations are low-pass filtered before.
+    raw
+        Keep outputs of the instant, in which what lies above half the rate shows as false lines below it. Else all are
+        band-limited: filtered before they are sampled (``band``).
     attributes
         What the result file shall also tell, such as the scene.
     told
@@ -103,17 +106,13 @@ def simulate(
     SolverError
         If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
     """
-    check_options(method, rtol, t_end, oversample)
-    check_length(t_end * rate)
-    check_size(library, t_end * rate)
-    run = Run(
-        library, library.parameters(values), t_end=t_end, rate=rate, method=method, rtol=rtol, oversample=oversample,
-        tables=tables,
-    )  # fmt: skip
+    check_options(method, rtol, t_end)
+    p = library.parameters(values)
+    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables)
     run.follow(told)
     dataset, summary = run.conclude()
     if verify:
-        summary |= verified(library, run.p, run.at, summary, rate=rate, **run.settings)
+        summary |= verified(library, run.p, run.at, summary, **run.settings)
     dataset.attrs |= to_attributes(attributes, summary)
     return Result(dataset, summary)
 
@@ -137,29 +136,70 @@ class Run:
     """
 
     def __init__(
-        self, library: Library, p: Vector, *, t_end: float, rate: float, method: str, rtol: float, oversample: int,
+        self, library: Library, p: Vector, *, t_end: float, rate: float | None, method: str, rtol: float, raw: bool,
         tables: Mapping[str, Pairs] | None,
     ) -> None:  # fmt: skip
         self.library, self.p, clock = library, p, perf_counter()
         self.at = find_equilibrium(library, p, tables=tables)
         self.seconds = {"equilibrium": perf_counter() - clock}
         choice = choose(library, self.at, p, rtol) if method == AUTO else Choice(method, None)
-        self.about = list_settings(library, choice, rtol, oversample)
-        self.settings: dict[str, Any] = {"t_end": t_end, "method": choice.method, "rtol": rtol, "tables": tables}
-        self.reader, self.rows = Reader(library, p, rate * oversample, oversample), list[Rows]()
-        self.integration = Integration(library, p, self.at, rate=rate * oversample, **self.settings)
+        sampling = take_rate(library, self.at, p, t_end, rate, tables)
+        check_size(library, t_end * sampling.rate)
+        self.about = list_settings(library, choice, rtol, sampling, raw)
+        self.settings: dict[str, Any] = {
+            "t_end": t_end, "rate": sampling.rate, "method": choice.method, "rtol": rtol, "tables": tables,
+        }  # fmt: skip
+        self.reader, self.rows = Reader(library, p, sampling.rate, t_end, raw), list[Rows]()
+        self.integration = Integration(library, p, self.at, passing=passing_speed(sampling.rate, raw), **self.settings)
 
     def follow(self, told: Callable[[float], None]) -> None:
         """Integrate, and read the outputs."""
-        self.integration.follow(lambda block: self.rows.append(self.reader.read(block)), told)
+        self.integration.follow(lambda block, points: self.rows.append(self.reader.read(block, points)), told)
 
     def conclude(self) -> tuple["xr.Dataset", dict[str, Any]]:
         """Return the data and the summary."""
         outcome, clock = self.integration.conclude(), perf_counter()
-        dataset = make_dataset(self.library, self.p, join_rows([*self.rows, self.reader.finish()]), outcome.extremes)
+        rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
+        dataset = make_dataset(self.library, self.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
-        about = summarise(self.library, self.p, self.at, outcome, _forces(dataset))
+        about = summarise(self.library, self.p, self.at, outcome, tell_forces(dataset))
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
+
+
+def take_rate(
+    library: Library, at: Equilibrium, p: Vector, t_end: float, rate: float | None, tables: Mapping[str, Pairs] | None
+) -> Rate:
+    """Return the sampling rate [Hz] and why it is taken; LtcgearError where the run is shorter than one sample."""
+    found = choose_rate(library, at, p, tables) if rate is None else Rate(rate, None)
+    check_length(t_end * found.rate)
+    return found
+
+
+def passing_speed(rate: float, raw: bool) -> float:
+    """Return how fast the filter itself varies [rad/s], for the points at which the motion is read; 0 without one."""
+    return 0.0 if raw else math.pi * rate
+
+
+def motion_statistics(reader: Reader, outcome: Outcome) -> Statistics | None:
+    """Return the statistics of a run that reached its end, extremes of mesh forces at the integrator's own steps.
+
+    None where it did not: its second half, over which they are taken, is not whole.
+    """
+    if outcome.status != "done":
+        return None
+    values, columns = reader.statistics(), by_quantity(reader.batch.library).get("mesh_force", [])
+    low, high = STATISTICS.index("min"), STATISTICS.index("max")
+    if columns:
+        values[low, columns] = np.fmin(values[low, columns], outcome.extremes.steady[0])
+        values[high, columns] = np.fmax(values[high, columns], outcome.extremes.steady[1])
+    return Statistics(values, reader.span)
+
+
+def tell_forces(dataset: "xr.Dataset") -> dict[str, Any]:
+    """Return statistics of the mesh forces along the motion; none of a run that did not reach its end."""
+    if "mesh_force" not in dataset or "statistics" not in dataset:
+        return {}
+    return mesh_statistics(dataset, dataset["statistics"].attrs["from_s"])
 
 
 def verified(
@@ -178,15 +218,11 @@ def verified(
     return {"accuracy": accuracy, "seconds": summary["seconds"] | {"verify": perf_counter() - clock}}
 
 
-def list_settings(library: Library, choice: Choice, rtol: float, oversample: int) -> dict[str, Any]:
-    """Return how a run is computed."""
-    return {
-        "method": choice.method,
-        "why": choice.why,
-        "engine": library.engine,
-        "rtol": rtol,
-        "oversample": oversample,
-    }
+def list_settings(library: Library, choice: Choice, rtol: float, sampling: Rate, raw: bool) -> dict[str, Any]:
+    """Return how a run is computed and sampled; a raw one has no band."""
+    told = {"method": choice.method, "why": choice.why, "engine": library.engine, "rtol": rtol}
+    told |= {"rate_hz": sampling.rate, "why_rate": sampling.why}
+    return told if raw else told | {"band_hz": BAND * sampling.rate}
 
 
 def summarise(
@@ -224,10 +260,3 @@ def _pulling(library: Library, outcome: Outcome) -> list[str]:
     found = zip(meshes, outcome.extremes.lowest, strict=True)
     text = "{}: pulls with up to {:.4g} N, where teeth would part; set effects.contact to one-flank or backlash"
     return [text.format(mesh, -force) for mesh, force in found if force < 0]
-
-
-def _forces(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return mean, extremes and load factor of every mesh force over the second half of the run."""
-    if "mesh_force" not in dataset or dataset.sizes["time"] < 4:
-        return {}
-    return mesh_statistics(dataset, steady_start(dataset))

@@ -6,13 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .averages import taper
+
 if TYPE_CHECKING:
     import xarray as xr
 
     from .spectra import FloatArray
-
-BLOCK = 1024
-"""Samples that are summed up, and copied to a file, at once."""
 
 
 def steady_start(dataset: xr.Dataset) -> float:
@@ -85,6 +84,9 @@ def stage_of(mesh: str) -> str:
 def mesh_statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, float]]:
     """Statistics of every mesh force after the start-up.
 
+    Where a run's own statistics were taken from `start_s` on, they are these: integrated along the motion, extremes at
+    the integrator's own steps (``averages``). Over another window they are of its samples, under the same weights.
+
     The load factor is the paper's: largest force over mean force. Its Table 9
     prints 3.34 ± 0.39 and 1.118, which is (3.34 + 0.39) / 3.34 to the digits
     printed. A mesh that is loaded on its other flank has a negative mean; there
@@ -93,9 +95,7 @@ def mesh_statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, 
     Parameters
     ----------
     dataset
-        Simulation result with ``mesh_force`` (time, mesh) [N]; extremes between samples are taken
-        from ``mesh_force_lowest`` and ``mesh_force_highest`` (mesh) where they were followed from
-        `start_s`.
+        Simulation result with ``mesh_force`` (time, mesh) [N].
     start_s
         First instant counted [s].
 
@@ -111,62 +111,43 @@ def mesh_statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, 
     ValueError
         If the record ends before `start_s`.
     """
-    forces = window(dataset, start_s)["mesh_force"].transpose("time", "mesh")
-    sums = ForceSums(forces.sizes["mesh"])
-    for first in range(0, forces.sizes["time"], BLOCK):
-        sums.note(forces.values[first : first + BLOCK].astype(np.float64))
-    return sums.statistics([str(mesh) for mesh in forces["mesh"].values], *_between_samples(dataset, start_s))
+    meshes = [str(mesh) for mesh in dataset["mesh"].values]
+    if are_followed(dataset, start_s):
+        values = dataset["statistics"].sel(output=[f"mesh_force:{mesh}" for mesh in meshes]).values
+    else:
+        part = window(dataset, start_s)
+        values = sample_statistics(part["mesh_force"].transpose("time", "mesh").values)
+    return dict(zip(meshes, map(_with_factors, values.T.tolist()), strict=True))
 
 
-def _between_samples(dataset: xr.Dataset, start_s: float) -> tuple[FloatArray, FloatArray]:
-    """Extremes of each mesh force that the integrator saw, NaN where it followed another span [N]."""
-    if "mesh_force_lowest" in dataset:
-        low, high = dataset["mesh_force_lowest"], dataset["mesh_force_highest"]
-        return between_samples(low.values, high.values, float(low.attrs["from_s"]), start_s, sampling_rate(dataset))
-    unknown = np.full(dataset.sizes["mesh"], np.nan)
-    return unknown, unknown
+def are_followed(dataset: xr.Dataset, start_s: float, stop_s: float | None = None) -> bool:
+    """Say whether a result's statistics along its motion are those of a window [s], to a sample."""
+    if "statistics" not in dataset:
+        return False
+    if not dataset.sizes["time"]:
+        return bool(start_s == dataset["statistics"].attrs["from_s"])
+    told, near = dataset["statistics"].attrs, 1.0 / sampling_rate(dataset)
+    stop = float(dataset["time"].values[-1]) if stop_s is None else stop_s
+    ends = [told.get(name) for name in ("from_s", "to_s")]
+    given = [float(end) for end in ends if isinstance(end, int | float | np.number)]
+    return len(given) == 2 and all(abs(a - b) < near for a, b in zip(given, (start_s, stop), strict=True))
 
 
-def between_samples(
-    low: FloatArray, high: FloatArray, followed_s: float, start_s: float, rate: float
-) -> tuple[FloatArray, FloatArray]:
-    """Extremes where they were followed from the start that is asked for, to a sample [s]; else NaN."""
-    if abs(followed_s - start_s) < 1.0 / rate:
-        return low, high
-    return np.full_like(low, np.nan), np.full_like(high, np.nan)
+def sample_statistics(values: FloatArray) -> FloatArray:
+    """Return the statistics of samples (times, items), in the order of ``averages.STATISTICS``, shape (5, items)."""
+    weights = taper((np.arange(len(values)) + 0.5) / len(values))
+    values = values.astype(np.float64)
+    mean = weights @ values / weights.sum()
+    std = np.sqrt(weights @ (values - mean) ** 2 / weights.sum())
+    return np.array([mean, np.hypot(mean, std), std, values.min(axis=0), values.max(axis=0)])
 
 
-class ForceSums:
-    """Sums and extremes of mesh forces, gathered block by block, so that no run needs to be held for them."""
-
-    def __init__(self, meshes: int) -> None:
-        self.count, self.sum, self.squares = 0, np.zeros(meshes), np.zeros(meshes)
-        self.low, self.high = np.full(meshes, np.inf), np.full(meshes, -np.inf)
-
-    def note(self, forces: FloatArray) -> None:
-        """Take in forces of shape (times, meshes) [N]."""
-        self.count += len(forces)
-        self.sum += forces.sum(axis=0)
-        self.squares += (forces**2).sum(axis=0)
-        self.low, self.high = np.minimum(self.low, forces.min(axis=0)), np.maximum(self.high, forces.max(axis=0))
-
-    def statistics(self, meshes: list[str], lowest: FloatArray, highest: FloatArray) -> dict[str, dict[str, float]]:
-        """Return the statistics by mesh, widened by the extremes between samples [N], NaN where not known."""
-        means, rms = self.sum / self.count, np.sqrt(self.squares / self.count)
-        lows, highs = np.fmin(self.low, lowest), np.fmax(self.high, highest)
-        found = {}
-        for k, mesh in enumerate(meshes):
-            mean, low, high = (float(values[k]) + 0.0 for values in (means, lows, highs))  # no -0
-            peak = high if mean >= 0.0 else low
-            found[mesh] = {
-                "mean": mean,
-                "min": low,
-                "max": high,
-                "rms": float(rms[k]),
-                "amplitude": 0.5 * (high - low),
-                "load_factor": peak / mean if mean != 0.0 else float("nan"),
-            }
-        return found
+def _with_factors(values: list[float]) -> dict[str, float]:
+    """Name the statistics of a mesh force, and add what follows from them."""
+    mean, rms, _, low, high = (value + 0.0 for value in values)  # no -0
+    peak = high if mean >= 0.0 else low
+    factor = peak / mean if mean != 0.0 else float("nan")
+    return {"mean": mean, "min": low, "max": high, "rms": rms, "amplitude": 0.5 * (high - low), "load_factor": factor}
 
 
 def mesh_frequencies(

@@ -81,8 +81,11 @@ class Template:
         """
         return obtain(build_model(self.scene(changes)), told)
 
-    def times(self, changes: Mapping[str, str]) -> tuple[float, float]:
-        """Return the time to simulate [s] and the samples a second [Hz] that a variant's scene asks for."""
+    def times(self, changes: Mapping[str, str]) -> tuple[float, float | None]:
+        """Return the time to simulate [s] and the samples a second [Hz] that a variant's scene asks for.
+
+        Without a rate, one is to be chosen.
+        """
         simulation = self.scene(changes).simulation
         return simulation.t_end, simulation.rate
 

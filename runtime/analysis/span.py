@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..statistics import sampling_rate, steady_start, window
+from ..statistics import are_followed, sampling_rate, steady_start, window
 from .trace import FEWEST
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ CHANGING = 0.01
 def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None = None) -> xr.Dataset:
     """Cut a record to the span that is analysed.
 
-    Extremes between samples belong to the span over which the run followed them, as a rule its second half; they are
-    kept only where that span is asked for.
+    Statistics along the motion belong to the span over which the run took them, its second half; they are kept only
+    where that span is asked for.
 
     Parameters
     ----------
@@ -60,17 +60,7 @@ def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None 
             f"give {FEWEST / sampling_rate(dataset):.3g} s or more"
         )
     _refuse_gaps(part)
-    if stop < last - half or not _followed(dataset, start):
-        part = part.drop_vars(["mesh_force_lowest", "mesh_force_highest"], errors="ignore")
-    return part
-
-
-def _followed(dataset: xr.Dataset, start: float) -> bool:
-    """Say whether extremes between samples were followed from an instant on [s], to a sample."""
-    followed = dataset["mesh_force_lowest"].attrs.get("from_s") if "mesh_force_lowest" in dataset else None
-    if not isinstance(followed, int | float | np.number):
-        return False
-    return bool(abs(float(followed) - start) < 1.0 / sampling_rate(dataset))
+    return part if are_followed(dataset, start, stop) else part.drop_vars("statistics", errors="ignore")
 
 
 def _refuse_gaps(part: xr.Dataset) -> None:

@@ -82,7 +82,7 @@ def generate(
         from ..plain.data import write_data
         from ..plain.kit import write_kit
 
-        files |= write_kit() | {"data.c": write_data(library, opened.scene.name, read_run(opened))}
+        files |= write_kit() | {"data.c": write_data(library, opened.scene.name, read_run(opened, library))}
         store.write_folder(output, files)
     ops = {name: signature.operations for name, signature in opened.artifact.manifest.functions.items()}
     data = {

@@ -8,7 +8,7 @@ import typer
 from .. import present
 from ..options import AsJson, Changes, SceneName
 from .app import app
-from .opening import compile_model, open_scene
+from .opening import compile_model, open_scene, rate_of
 
 FmuFile = Annotated[Path, typer.Option("-o", "--output", help="File to write, .fmu.")]
 Kind = Annotated[
@@ -32,10 +32,10 @@ def export_fmu(
     check_fmu(output, Path(scene))
     require_compiler()
     opened = open_scene(scene, changes, steered=True)
-    simulation = opened.scene.simulation
+    library = compile_model(opened)
     written = write_fmu(
-        compile_model(opened), opened.model.values(), output, kind=kind, name=opened.scene.name,
-        title=opened.scene.title, tables=opened.model.tables, inputs=opened.inputs, t_end=simulation.t_end,
-        rate=simulation.rate,
+        library, opened.model.values(), output, kind=kind, name=opened.scene.name,
+        title=opened.scene.title, tables=opened.model.tables, inputs=opened.inputs, t_end=opened.scene.simulation.t_end,
+        rate=rate_of(opened, library),
     )  # fmt: skip
     present.show(as_json, written, present.exported_fmu)

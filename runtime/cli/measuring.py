@@ -11,7 +11,7 @@ from .. import present
 from ..options import AsJson, Changes, SceneName
 from ..progress import progress
 from .app import app
-from .opening import Opened, compile_model, open_scene
+from .opening import Opened, compile_model, open_scene, rate_of
 from .testing import MethodNames, choose
 
 if TYPE_CHECKING:
@@ -82,10 +82,9 @@ def measure(opened: Opened, library: "Library", preset: str, **wanted: Any) -> d
 
     model = opened.model
     bench = Bench(library, model.values(), model.tables)
-    simulation = opened.scene.simulation
     study = Wanted(
-        opened.scene.name, opened.scene.title, *_keys(opened), simulation.rate, simulation.t_end, preset,
-        check_preset(preset), **wanted,
+        opened.scene.name, opened.scene.title, *_keys(opened), rate_of(opened, library),
+        opened.scene.simulation.t_end, preset, check_preset(preset), **wanted,
     )  # fmt: skip
     with progress(f"measure {opened.scene.name}", 100, "%") as told:
         return run_study(bench, study, lambda done: told(100 * done))

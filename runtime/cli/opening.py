@@ -84,12 +84,18 @@ def compile_model(opened: Opened) -> "Library":
     return library
 
 
-def read_run(opened: Opened) -> "Run":
+def read_run(opened: Opened, library: "Library") -> "Run":
     """Return what a scene simulates, in numbers."""
     from ..plain.data import Run
 
-    simulation = opened.scene.simulation
-    return Run(opened.model.values(), opened.model.tables, simulation.t_end, simulation.rate)
+    return Run(opened.model.values(), opened.model.tables, opened.scene.simulation.t_end, rate_of(opened, library))
+
+
+def rate_of(opened: Opened, library: "Library") -> float:
+    """Return the sampling rate [Hz] that a scene gives, or that is chosen for it."""
+    from ..rates import find_rate
+
+    return find_rate(library, opened.model.values(), opened.model.tables, opened.scene.simulation.rate).rate
 
 
 MANY = 150

@@ -54,7 +54,7 @@ def paper(
     summaries, results = {}, {}
     for rig, scene in rigs.items():
         file = output / f"{scene}.nc"
-        summaries[rig] = running.run(scene, changes, file, t_end, method, 1e-6, oversample=8)
+        summaries[rig] = running.run(scene, changes, file, t_end, method, 1e-6)
         _finished(summaries[rig], file)
         results[rig] = load(file)
     dataset = results["assumed"].dataset

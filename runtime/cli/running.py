@@ -16,7 +16,7 @@ from ..options import (
     EndTime,
     FigureFile,
     Method,
-    Oversample,
+    Raw,
     RecordFile,
     ResultFile,
     Resume,
@@ -27,7 +27,7 @@ from ..options import (
 from ..progress import progress
 from .app import InterruptedRunError, app
 from .measuring import check_accuracy, find_setting
-from .opening import compile_model, open_scene, open_variants, split_changes
+from .opening import compile_model, open_scene, open_variants, rate_of, split_changes
 
 
 @app.command()
@@ -38,7 +38,7 @@ def simulate(
     t_end: EndTime = None,
     method: Method = "auto",
     rtol: Tolerance = 1e-6,
-    oversample: Oversample = 1,
+    raw: Raw = False,
     resume: Resume = False,
     verify: Verify = False,
     accuracy: Accuracy = None,
@@ -50,7 +50,7 @@ def simulate(
     sources = {name: context.get_parameter_source(name) for name in ("method", "rtol")}
     given = [f"--{name}" for name, source in sources.items() if source and source.name == "COMMANDLINE"]
     check_accuracy(accuracy, record, given)
-    summary = run(scene, changes, output, t_end, method, rtol, oversample, resume, verify, accuracy, record)
+    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record)
     present.show(as_json, summary, present.simulated)
     finished(summary)
 
@@ -92,7 +92,7 @@ def run(
     t_end: float | None,
     method: str,
     rtol: float,
-    oversample: int,
+    raw: bool = False,
     resume: bool = False,
     verify: bool = False,
     accuracy: str | None = None,
@@ -121,7 +121,7 @@ def run(
             "rate": opened.scene.simulation.rate,
             "method": method,
             "rtol": rtol,
-            "oversample": oversample,
+            "raw": raw,
             "attributes": about,
             "told": told,
             "tables": opened.model.tables,
@@ -153,7 +153,7 @@ def cost(
         check_figure(output)
     opened = open_scene(scene, changes)
     variants = open_variants(scene, split_changes(changes), opened)
-    rate = opened.scene.simulation.rate
+    rate = rate_of(opened, compile_model(opened))
     with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
         rows = measure_costs(variants, t_end=t_end, rate=rate, rtol=rtol, told=told)
     data = {"scene": opened.scene.name, "t_end": t_end, "rtol": rtol, "variants": rows}

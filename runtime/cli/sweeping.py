@@ -10,7 +10,7 @@ import typer
 from ltcgear.generated.errors import SolverError
 
 from .. import present
-from ..options import AsJson, Changes, EndTime, Method, Oversample, SceneName, Tolerance
+from ..options import AsJson, Changes, EndTime, Method, Raw, SceneName, Tolerance
 from ..progress import progress
 from ..results import make_folder
 from .app import InterruptedRunError, app
@@ -61,7 +61,7 @@ def sweep(
     t_end: EndTime = None,
     method: Method = "auto",
     rtol: Tolerance = 1e-6,
-    oversample: Oversample = 1,
+    raw: Raw = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
     figures: Figures = None,
@@ -78,7 +78,7 @@ def sweep(
     if figures is not None:
         make_folder(figures)
     drawn: dict[str, Any] = {"sample": sample, "points": points, "seed": seed}
-    runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "oversample": oversample}
+    runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "raw": raw}
     runs |= {"workers": workers, "scheduler": scheduler}
     try:
         with _bars(template.name) as told:

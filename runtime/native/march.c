@@ -156,7 +156,7 @@ static int arrive(march *m) {
   m->fresh = 0;
   memcpy(m->z, m->path + (m->n_nodes - 1) * m->n, (size_t)m->n * sizeof *m->z);
   find_signals(m, m->reached, m->s_end);
-  if ((fault = take_samples(m, start))) return fault;
+  if ((fault = take_samples(m, start)) || (fault = take_points(m, start))) return fault;
   change_cells(m, m->changed, m->s_end + m->n_levels);
   return DONE;
 }
@@ -194,11 +194,14 @@ static double clock_now(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* Say whether there is room for what another segment may leave. */
+static int has_room(const march *m) { return 2 * m->filled + 4 <= m->capacity && 2 * m->pointed <= m->point_room; }
+
 /* March on until the samples are complete or fill their block, the leg is over (a knot is met, the reference has turned
  * once), ``segments`` are done or the seconds are up. Returns DONE or a fault. */
 EXPORTED int ltcgear_march(march *m, whole segments, double seconds) {
   double start = clock_now();
-  for (whole i = 0; i < segments && m->done <= m->last && 2 * m->filled + 4 <= m->capacity; ++i) {
+  for (whole i = 0; i < segments && m->done <= m->last && has_room(m); ++i) {
     int fault = segment(m);
     if (fault) return fault;
     double angle = m->angle < 0 ? 0 : m->origin[m->angle] + m->scale[m->angle] * m->z[m->angle];

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,25 +15,24 @@ from ..analysis.sharing import group_meshes, list_groups, mean_shares
 from ..analysis.spectrum import find_spectrum
 from ..analysis.trace import FEWEST, FloatArray, list_items, select_output
 from ..analysis.transmission import find_transmission_error
+from ..averages import STATISTICS as MOTION
 from ..outputs import find_columns, nearest
 from ..results import Result
-from ..statistics import mesh_frequencies, mesh_statistics, steady_start, window
+from ..statistics import mesh_frequencies, mesh_statistics, sample_statistics, steady_start, window
 from ..stepper import Counts
 
 if TYPE_CHECKING:
     import xarray as xr
 
-STATISTICS: dict[str, tuple[str, Callable[[FloatArray], Any]]] = {
-    "mean": ("mean", lambda values: values.mean(axis=0)),
-    "min": ("smallest value", lambda values: values.min(axis=0)),
-    "max": ("largest value", lambda values: values.max(axis=0)),
-    "rms": ("root mean square", lambda values: np.sqrt((values**2).mean(axis=0))),
-    "std": ("standard deviation", lambda values: values.std(axis=0)),
-    "peak_to_peak": ("largest less smallest value", lambda values: np.ptp(values, axis=0)),
+STATISTICS: dict[str, tuple[str, Callable[[Mapping[str, FloatArray]], FloatArray]]] = {
+    "mean": ("mean", itemgetter("mean")),
+    "min": ("smallest value", itemgetter("min")),
+    "max": ("largest value", itemgetter("max")),
+    "rms": ("root mean square", itemgetter("rms")),
+    "std": ("standard deviation", itemgetter("std")),
+    "peak_to_peak": ("largest less smallest value", lambda found: found["max"] - found["min"]),
 }
-"""Statistic of an output over the second half of the run -> what it is, and its function of samples (times, ...)."""
-BETWEEN = {"min": "min", "max": "max", "peak_to_peak": "amplitude"}
-"""Statistics of mesh forces that also see what lies between samples -> their name in ``mesh_statistics``."""
+"""Statistic of an output over the second half of the run -> what it is, and how it follows from those of the motion."""
 SPECTRUM = "spectrum"
 FORCES = {
     "mean": "mean normal mesh force", "min": "smallest normal mesh force", "max": "largest normal mesh force",
@@ -114,7 +114,7 @@ def _take_forces(run: Result) -> Taken:
 def _force_statistics(run: Result, name: str) -> dict[str, dict[str, float]]:
     """Return the statistics of the mesh forces over the second half, what lies between samples included."""
     _half(run, name, ["mesh_force"])
-    kept = [one for one in ("mesh_force", "mesh_force_lowest", "mesh_force_highest") if one in run.dataset]
+    kept = [one for one in ("mesh_force", "statistics") if one in run.dataset]
     return mesh_statistics(run.dataset[kept], steady_start(run.dataset))
 
 
@@ -175,20 +175,28 @@ def _take_statistic(name: str, run: Result) -> Taken:
     """Take a statistic of an output, of all its items where none is named."""
     statistic, _, output = name.partition(":")
     [(quantity, wanted)] = find_columns(run.dataset, [output], f"--metric {statistic}:").items()
-    signal = _half(run, name, [quantity])[quantity].transpose("time", ...)
+    _half(run, name, [quantity])
+    signal = run.dataset[quantity].transpose("time", ...)
     attributes = signal.attrs
     words = f"{STATISTICS[statistic][0]} of the {attributes.get('long_name', quantity)}"
     dimension = str(signal.dims[-1]) if signal.ndim > 1 else ""
     items = [str(item) for item in signal[dimension].values] if dimension else []
-    if quantity == "mesh_force" and statistic in BETWEEN:
-        found, scale = _force_statistics(run, name), 2.0 if statistic == "peak_to_peak" else 1.0
-        values = np.array([scale * one[BETWEEN[statistic]] for one in found.values()])
-    else:
-        values = STATISTICS[statistic][1](signal.values.astype(np.float64))
+    values = STATISTICS[statistic][1](_statistics_of(run.dataset, signal, items))
     if wanted:
         words, values = f"{words}, {wanted[0]}", values[items.index(wanted[0])]
         dimension, items = "", []
     yield Values(name, values, str(attributes.get("units", "1")), words, "", dimension, items)
+
+
+def _statistics_of(dataset: xr.Dataset, signal: xr.DataArray, items: list[str]) -> dict[str, FloatArray]:
+    """Return the statistics of an output's items along the motion; of what is no output (states), of its samples."""
+    labels = [f"{signal.name}:{item}" for item in items]
+    if "statistics" in dataset and labels and labels[0] in dataset.indexes["output"]:
+        values = dataset["statistics"].sel(output=labels).values
+    else:
+        half = window(signal.to_dataset(name="signal"))["signal"].values
+        values = sample_statistics(half)
+    return dict(zip(MOTION, values, strict=True))
 
 
 def _take_spectrum(name: str, run: Result) -> Taken:

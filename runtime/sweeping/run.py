@@ -17,6 +17,7 @@ from ..attributes import to_attributes
 from ..dataset import make_dataset
 from ..integration import check_length
 from ..library import build
+from ..rates import find_rate
 from ..reading import no_rows
 from ..simulation import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, check_size
 from .axes import read_axes
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 Told = Callable[[str, int, int, int], None]
 MOST_WORKERS = 1024
+MOST_TRIED = 8
+"""Points by which a sampling rate is chosen."""
 FIXED = ("simulation",)
 """Tables of the scene that are the same for all points."""
 
@@ -50,7 +53,7 @@ def sweep(
     rate: float | None = None,
     method: str = DEFAULT_METHOD,
     rtol: float = DEFAULT_RTOL,
-    oversample: int = 1,
+    raw: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
     told: Told = lambda stage, done, total, failed: None,
@@ -74,8 +77,8 @@ def sweep(
         What is kept of each run; forces, and load shares where meshes share a load, where left out.
     t_end, rate
         Time to simulate [s] and samples a second [Hz]; those of the scene where left out.
-    method, rtol, oversample
-        As for ``simulate``; spectra of what jumps need the latter, lest high harmonics are folded into them.
+    method, rtol, raw
+        As for ``simulate``; raw spectra of what jumps have high harmonics folded into them.
     workers
         Processes, as many as there are cores where left out; with 1 this process computes.
     scheduler
@@ -98,15 +101,15 @@ def sweep(
     """
     clock, target = perf_counter(), Path(target)
     check_joblib()
-    check_options(method, rtol, t_end, oversample)
+    check_options(method, rtol, t_end)
     check_store(target)
     for name in metrics or ():
         find_metric(name)
     design = draw_design(read_axes(vary), sample, points, seed)
-    first = check_points(maker, design)
-    end, samples = maker.times(first)
-    settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "rate": samples if rate is None else rate}
-    settings |= {"method": method, "rtol": rtol, "oversample": oversample}
+    ends = check_points(maker, design)
+    end, samples = maker.times(ends[0])
+    settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "method": method, "rtol": rtol, "raw": raw}
+    settings["rate"] = choose_common_rate(maker, ends) if rate is None and samples is None else rate or samples
     _check_rate(settings["rate"])
     check_length(settings["t_end"] * settings["rate"])
     with _open_pool(workers, scheduler, design.size) as pool:
@@ -127,8 +130,20 @@ def _check_rate(rate: float) -> None:
         raise LtcgearError(f"rate {rate:g}: must be samples a second [Hz], greater than zero")
 
 
-def check_points(maker: Maker, design: Design) -> dict[str, str]:
-    """Refuse keys and values that the scene does not take; return the changes of the first point that it takes.
+def choose_common_rate(maker: Maker, points: Sequence[Mapping[str, str]]) -> float:
+    """Choose one sampling rate for all points [Hz]: the highest that some of them, their ends among them, call for."""
+    found = []
+    for changes in [*points[: MOST_TRIED - 1], *points[MOST_TRIED - 1 :][-1:]]:
+        with suppress(LtcgearError):  # a point's own reason
+            _, values, tables = maker.make(changes)
+            found.append(find_rate(build(maker.obtain(changes)), values, tables, None).rate)
+    if not found:
+        raise LtcgearError("no end of the axes can begin, so no sampling rate follows; give simulation.rate")
+    return max(found)
+
+
+def check_points(maker: Maker, design: Design) -> list[dict[str, str]]:
+    """Refuse keys and values that the scene does not take; return the changes of the points that it takes.
 
     What is refused is wrong alone and with the other values of its point; else it is that point's own reason.
     """
@@ -150,7 +165,7 @@ def check_points(maker: Maker, design: Design) -> dict[str, str]:
                     raise SceneError(f"--vary {key}: {error}") from error
     if not taken:
         raise LtcgearError("no end of the axes gives a scene without defects; see `ltcgear info SCENE --set KEY=VALUE`")
-    return taken[0]
+    return taken
 
 
 def _list_checked(design: Design) -> list[dict[str, str]]:

@@ -41,8 +41,8 @@ class Maker(Protocol):
     def obtain(self, changes: Mapping[str, str], told: Callable[[str, float], None] = ...) -> Artifact:
         """Return a variant's C."""
 
-    def times(self, changes: Mapping[str, str]) -> tuple[float, float]:
-        """Return the time to simulate [s] and the samples a second [Hz]."""
+    def times(self, changes: Mapping[str, str]) -> tuple[float, float | None]:
+        """Return the time to simulate [s] and the samples a second [Hz], None where they are to be chosen."""
 
     def entries(self) -> dict[str, Any]:
         """Return all that numbers depend on, by name."""
