@@ -13,7 +13,7 @@ MOST = 10
 MOTION, FILTERED = 1e-6, 1e-3
 """Error of an integral of the fastest vibration, and of its product with the filter's fastest, over their size. Both
 are bounds: most of a motion is slower, and the fastest part of it small."""
-ANGLES = np.linspace(0.01, 15.0, 1500)
+ANGLES = np.linspace(0.0, 15.0, 15001)
 """Angles [rad] in half a panel at which rules are tried."""
 
 

@@ -96,7 +96,7 @@ def test_what_is_taken_off_on_the_way_changes_nothing(name, monkeypatch):
 def test_reported_phases_and_angles_go_on_over_the_turns():
     c = case(*QUICK["lsp"])
     path = c.run(method="erk", rtol=1e-7, t_end=0.7, rate=1000.0)
-    data = make_dataset(c.library, c.p, sampled(c.library, path, c.p, 1))
+    data = make_dataset(c.library, c.p, sampled(c.library, path, c.p))
     assert mesh_frequencies(data, 0.0)["lsp"] == pytest.approx(300 / 60 * 118, rel=1e-4)
     steps = np.diff(data["mesh_phase"].values, axis=0)
     assert steps.min() > 0
