@@ -60,6 +60,11 @@ def response(frequency: Vector, rate: float) -> Vector:
     return np.asarray((np.cos(turned) * table[:-1]).sum(axis=(-1, -2)) / table[:-1].sum())
 
 
+def passing_speed(rate: float, raw: bool) -> float:
+    """Return how fast the filter itself varies [rad/s], for the points at which the motion is read; 0 without one."""
+    return 0.0 if raw else np.pi * rate
+
+
 class BandFilter:
     """The filter at work: takes outputs at points of a motion, and gives them at equal times.
 

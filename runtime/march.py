@@ -22,7 +22,7 @@ from .kernel import Kernel
 from .library import Library
 from .native import FAULTS, FINE, NAMES, STAGES, STOPPED, Native
 from .nodes import Chebyshev, Nodes, Uniform
-from .quadrature import gauss_rules
+from .quadrature import MOST, lobatto_rules
 from .regimes import Regimes
 from .scaling import fastest, vibration_scale
 from .signals import Signals
@@ -153,13 +153,13 @@ class March:
 
     def _set_points(self, quickest: float, passing: float | None) -> None:
         """Set the points of arcs: what they shall resolve [rad/s], and the rules that do."""
-        state, share, rules = self.state, self.native.share, gauss_rules()
+        state, share, rules = self.state, self.native.share, lobatto_rules()
         if passing is not None:
-            state.turning, state.passing, state.n_gauss = quickest, passing, len(rules.motion)
+            state.turning, state.passing, state.most_points = quickest, passing, MOST
             state.point_room = POINT_ROOM
         for name, values in (("at", rules.at), ("weight", rules.weight), ("motion", rules.motion)):
-            share(f"gauss_{name}", values)
-        share("gauss_filter", rules.filtered)
+            share(f"rule_{name}", values)
+        share("rule_filter", rules.filtered)
 
     def _set_levels(self, names: list[str]) -> None:
         """Set the cells of the mesh phases at the start, and what may turn them back."""

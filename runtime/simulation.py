@@ -1,19 +1,16 @@
 """The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
 
-import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .accuracy import estimate_accuracy
 from .attributes import to_attributes
-from .averages import STATISTICS, Statistics
-from .band import BAND
+from .band import BAND, passing_speed
 from .choice import Choice, choose
 from .dataset import make_dataset
 from .energy import energy_residual
@@ -22,7 +19,7 @@ from .integration import Integration, Outcome, check_length
 from .kernel import Kernel
 from .library import Library
 from .rates import Rate, choose_rate
-from .reading import Reader, Rows, by_quantity, join_rows
+from .reading import Reader, Rows, by_quantity, join_rows, motion_statistics
 from .results import Result
 from .scaling import LOADED
 from .signals import Pairs
@@ -173,26 +170,6 @@ def take_rate(
     found = choose_rate(library, at, p, tables) if rate is None else Rate(rate, None)
     check_length(t_end * found.rate)
     return found
-
-
-def passing_speed(rate: float, raw: bool) -> float:
-    """Return how fast the filter itself varies [rad/s], for the points at which the motion is read; 0 without one."""
-    return 0.0 if raw else math.pi * rate
-
-
-def motion_statistics(reader: Reader, outcome: Outcome) -> Statistics | None:
-    """Return the statistics of a run that reached its end, extremes of mesh forces at the integrator's own steps.
-
-    None where it did not: its second half, over which they are taken, is not whole.
-    """
-    if outcome.status != "done":
-        return None
-    values, columns = reader.statistics(), by_quantity(reader.batch.library).get("mesh_force", [])
-    low, high = STATISTICS.index("min"), STATISTICS.index("max")
-    if columns:
-        values[low, columns] = np.fmin(values[low, columns], outcome.extremes.steady[0])
-        values[high, columns] = np.fmax(values[high, columns], outcome.extremes.steady[1])
-    return Statistics(values, reader.span)
 
 
 def tell_forces(dataset: "xr.Dataset") -> dict[str, Any]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.band import ATTENUATION, BAND, FINE, REACH, BandFilter, filter_table, response
-from ltcgear.runtime.quadrature import FILTERED, MOST, MOTION, gauss_rules
+from ltcgear.runtime.quadrature import FILTERED, MOST, MOTION, lobatto_rules
 from ltcgear.runtime.spectra import amplitude_spectrum, strongest_lines
 from scipy.signal import firwin, freqz, kaiser_beta
 
@@ -118,11 +118,14 @@ def test_a_record_shorter_than_the_filter_has_rows_all_the_same():
 
 @pytest.mark.parametrize("kind", ["motion", "filtered"])
 def test_rules_resolve_what_they_say(kind):
-    rules, most = gauss_rules(), {"motion": MOTION, "filtered": FILTERED}[kind]
+    rules, most = lobatto_rules(), {"motion": MOTION, "filtered": FILTERED}[kind]
     reach = getattr(rules, kind)
     assert (np.diff(reach) > 0).all()
-    for count in range(1, MOST + 1):
-        at, weight = (array[count * (count - 1) // 2 :][:count] for array in (rules.at, rules.weight))
-        for angle, holds in ((0.98 * reach[count - 1], True), (1.02 * reach[count - 1] + 0.002, False)):
+    for count in range(2, MOST + 1):
+        at, weight = (array[count * (count - 1) // 2 - 1 :][:count] for array in (rules.at, rules.weight))
+        assert (at[0], at[-1]) == (0.0, 1.0)
+        for degree in range(2 * count - 2):
+            assert weight @ at**degree == pytest.approx(1 / (degree + 1), rel=1e-12)
+        for angle, holds in ((0.98 * reach[count - 2], True), (1.02 * reach[count - 2] + 0.002, False)):
             error = abs(np.sum(weight * np.cos(2 * angle * (at - 0.5))) - np.sinc(angle / np.pi))
             assert (error < most) == holds

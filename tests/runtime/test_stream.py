@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from ltcgear.runtime import integration, sampling, stepper
+from ltcgear.runtime.band import passing_speed
 from ltcgear.runtime.part import part_of
 from ltcgear.runtime.reading import Reader, join_rows
 from ltcgear.runtime.recording import Recorder, record
 from ltcgear.runtime.results import load
 from ltcgear.runtime.sampling import join
-from ltcgear.runtime.simulation import passing_speed, simulate
+from ltcgear.runtime.simulation import simulate
 
 from .models import case
 
