@@ -11,6 +11,7 @@ from .clocks import Clocks
 from .integration import Trajectory
 from .library import Library
 from .march import Snapshot
+from .quantities import PHASES
 from .sampling import Block
 
 Vector = NDArray[np.float64]
@@ -62,7 +63,7 @@ def by_quantity(library: Library) -> dict[str, list[int]]:
 
 
 def outputs_of(library: Library, clocks: Clocks, samples: Block | Trajectory) -> Vector:
-    """Evaluate the outputs at samples, shape (m, n_y); mesh phases count on over all turns."""
+    """Evaluate the outputs at samples, shape (m, n_y); phases count on over all turns."""
     return _outputs(Batch(library, "outputs"), clocks, samples)
 
 
@@ -70,7 +71,7 @@ def _outputs(batch: Batch, clocks: Clocks, samples: Block | Trajectory) -> Vecto
     """Evaluate the outputs by a function that is bound already."""
     values = clocks.outputs(batch, samples.x, samples.s, samples.phi, samples.turns)
     for column, report in enumerate(batch.library.manifest.reports):
-        if report.quantity == "mesh_phase":
+        if report.quantity in PHASES:
             values[:, column] += clocks.unwound(report.item, samples.turns)
     return values
 
