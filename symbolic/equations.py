@@ -186,7 +186,9 @@ class _Assembly(Kinematics):
             return self.number[phase.rate] * self.phi
         body = self.bodies[phase.gear]
         frame = self.model.frames[body.frame]
-        return self.number[phase.teeth] / (2 * pi) * (self.ratio(body) - (self.number[frame] if frame else 0)) * self.phi
+        return (
+            self.number[phase.teeth] / (2 * pi) * (self.ratio(body) - (self.number[frame] if frame else 0)) * self.phi
+        )
 
     def mesh_rate_of(self, mesh: str) -> Any:  # noqa: ANN401
         """Return the rate [1/s] of a mesh's phase."""
