@@ -14,6 +14,7 @@ from .clocks import Clocks
 from .integration import Outcome, Trajectory
 from .library import Library
 from .march import Snapshot
+from .quantities import PHASES
 from .sampling import Block, Points
 
 Vector = NDArray[np.float64]
@@ -63,7 +64,7 @@ def by_quantity(library: Library) -> dict[str, list[int]]:
 
 
 def outputs_of(library: Library, clocks: Clocks, samples: Block | Points | Trajectory) -> Vector:
-    """Evaluate the outputs at samples, shape (m, n_y); mesh phases count on over all turns."""
+    """Evaluate the outputs at samples, shape (m, n_y); phases count on over all turns."""
     return _outputs(Batch(library, "outputs"), clocks, samples)
 
 
@@ -71,7 +72,7 @@ def _outputs(batch: Batch, clocks: Clocks, samples: Block | Points | Trajectory)
     """Evaluate the outputs by a function that is bound already."""
     values = clocks.outputs(batch, samples.x, samples.s, samples.phi, samples.turns)
     for column, report in enumerate(batch.library.manifest.reports):
-        if report.quantity == "mesh_phase":
+        if report.quantity in PHASES:
             values[:, column] += clocks.unwound(report.item, samples.turns)
     return values
 

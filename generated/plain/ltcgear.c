@@ -1356,6 +1356,15 @@ static void set_clocks(ltcgear_run *run) {
     run->m.p[clock[c].start] += clock[c].unit * ((double)run->rest[c] / (double)clock[c].below);
 }
 
+/* Add the cycles that were taken off to the phases that are told. */
+static void add_cycles(const ltcgear_run *run, double *y) {
+  for (whole c = 0; c < run->model->n_clocks; ++c) {
+    const ltcgear_clock *clock = run->model->clocks + c;
+    if (clock->mesh_phase >= 0) y[clock->mesh_phase] += (double)run->cycles[c];
+    if (clock->gear_phase >= 0) y[clock->gear_phase] += (double)run->cycles[c];
+  }
+}
+
 static void take_turns_off(ltcgear_run *run) {
   march *m = &run->m;
   whole more = (whole)(reference_angle(m) / TURN * (1 + 4 * DBL_EPSILON));
@@ -1997,8 +2006,7 @@ static int read_outputs(ltcgear_run *run, double time, const double *x, const do
   run->output.res[0] = y;
   call(&run->output, x, m->s_now, m->p);
   hold(m);
-  for (whole c = 0; c < model->n_clocks; ++c)
-    if (model->clocks[c].output >= 0) y[model->clocks[c].output] += (double)run->cycles[c];
+  add_cycles(run, y);
   return all_finite(model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 
@@ -2182,10 +2190,7 @@ int ltcgear_outputs(ltcgear_run *run, double time, const double *x, double *y) {
   pose_states(run, time, x);
   run->output.res[0] = y;
   call(&run->output, run->m.x, run->m.s, run->m.p);
-  for (whole c = 0; c < run->model->n_clocks; ++c) {
-    whole place = run->model->clocks[c].output;
-    if (place >= 0) y[place] += (double)run->cycles[c];
-  }
+  add_cycles(run, y);
   return all_finite(run->model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 

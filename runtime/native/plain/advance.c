@@ -36,8 +36,7 @@ static int read_outputs(ltcgear_run *run, double time, const double *x, const do
   run->output.res[0] = y;
   call(&run->output, x, m->s_now, m->p);
   hold(m);
-  for (whole c = 0; c < model->n_clocks; ++c)
-    if (model->clocks[c].output >= 0) y[model->clocks[c].output] += (double)run->cycles[c];
+  add_cycles(run, y);
   return all_finite(model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 
