@@ -1,6 +1,7 @@
 """What all tests share: the command line, and a store of their own, so that nothing touches the user's cache."""
 
 import json
+import signal
 import sys
 
 import pytest
@@ -15,6 +16,14 @@ def store(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LTCGEAR_CACHE", str(folder))
         yield folder
+
+
+@pytest.fixture(autouse=True, scope="session")
+def interrupts():
+    """Let Ctrl-C stop the tests and the programs that they start, also where a shell has it ignored (nohup, or `&`)."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture
