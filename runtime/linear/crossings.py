@@ -10,6 +10,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
 from ..statistics import group_of, stage_of
+from ..ties import order_by_size
 from .campbell import LOAD, Campbell
 from .excitation import find_harmonics
 from .inputs import MeshPath, find_paths
@@ -144,7 +145,7 @@ class _Point:
             pushed = {m: self.paths[m].of_error(omega) * MICRON * q for m, q in zip(members, phase, strict=True)}
             forces = self._forces(omega, same, pushed, members)
             if forces.max() > most:
-                best, most = members[int(forces.argmax())], float(forces.max())
+                best, most = members[order_by_size(forces, members)[0]], float(forces.max())
         if order.side:
             return best, most, None
         pushed = {mesh: complex(self.own[mesh][order.harmonic - 1]) for mesh in meshes}

@@ -22,6 +22,7 @@ from ..analysis.spectrum_figures import draw_spectrogram, draw_spectrum, draw_wa
 from ..analysis.trace import list_items, pick
 from ..analysis.waterfall import find_waterfall, mesh_courses
 from ..statistics import mesh_frequencies, stage_of
+from ..ties import order_by_size
 from .march_figure import draw_steps, draw_switchings
 from .pictures import make_picture
 
@@ -179,7 +180,7 @@ def _liveliest(dataset: xr.Dataset) -> list[tuple[str, str]]:
     half = dataset.sizes["time"] // 2
     shaking = np.hypot(*(dataset[f"acceleration_{a}"].values[half:].std(axis=0) for a in "xy"))
     kinds: dict[str, str] = {}
-    for k in np.argsort(-shaking):
+    for k in order_by_size(shaking, members):
         if shaking[k] > 0:
             kinds.setdefault(members[k].rsplit(".planet.", 1)[0], members[k])
     return [("acceleration_x", member) for member in list(kinds.values())[:2]]

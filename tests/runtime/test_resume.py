@@ -204,6 +204,12 @@ def test_another_number_equation_or_version_is_told(stopped, monkeypatch):
         write(c, target, resume=True)
 
 
+def test_parameters_that_another_processor_rounds_otherwise_are_the_same(stopped):
+    c, target = stopped
+    values = {name: value * (1 + 1e-15) for name, value in c.model.values().items()}
+    assert recording.record(c.library, values, target, t_end=0.05, rate=20e3, resume=True)["status"] == "done"
+
+
 @pytest.mark.parametrize("damage", [lambda data: b"", lambda data: data[: len(data) // 2], lambda data: b"x" * 999])
 def test_a_damaged_checkpoint_is_told(stopped, damage):
     c, target = stopped

@@ -181,6 +181,17 @@ def test_ctrl_c_stops_between_segments():
     assert signal.getsignal(signal.SIGINT) is before
 
 
+def test_ctrl_c_does_nothing_where_a_shell_has_it_ignored():
+    """A run under nohup goes on."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        path = case("psh").run(method="erk", t_end=0.05, told=lambda t: os.kill(os.getpid(), signal.SIGINT))
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert path.status == "done"
+
+
 @pytest.mark.parametrize("length", [0, 1000, 5000, 6000, 7000, 7900, 8000, 8100, 20000])
 def test_rows_are_where_netcdf_reads_them_however_long_the_heading(length, tmp_path):
     """NetCDF pads files of some sizes; records do not end where the file does."""

@@ -60,7 +60,7 @@ static int hand_on(ltcgear_run *run, const taker *t, double *last) {
  * what is missing is made up for with the next one. */
 static void meet(march *m, double until) {
   double missing = until - m->time;
-  if (!(missing > 0) || missing > 1e-12 * m->reached) return;
+  if (!(missing > 0) || missing > lateness(m)) return;
   m->time = until, m->unpassed -= missing;
 }
 
