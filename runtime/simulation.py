@@ -19,6 +19,7 @@ from .kernel import Kernel
 from .library import Library
 from .reading import Reader, Rows, by_quantity, join_rows
 from .results import Result
+from .rounding import round_statistics
 from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics, steady_start
@@ -230,4 +231,4 @@ def _forces(dataset: "xr.Dataset") -> dict[str, Any]:
     """Return mean, extremes and load factor of every mesh force over the second half of the run."""
     if "mesh_force" not in dataset or dataset.sizes["time"] < 4:
         return {}
-    return mesh_statistics(dataset, steady_start(dataset))
+    return round_statistics(mesh_statistics(dataset, steady_start(dataset)), dataset)

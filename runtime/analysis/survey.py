@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
+from ..rounding import round_statistics, without_rounding
 from ..statistics import group_of, mesh_statistics, stage_of
 from .bearings import BearingLoad, list_bearing_loads
 from .cycles import Cycles, count_cycles
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
 LINES = 12
 CENTRES = 3
 """Harmonics of its mesh about which an output's sidebands are read."""
-USABLE = 0.4
-"""Share of the sampling rate up to which lines are named."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +121,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     LtcgearError
         If the span, an output, the shaft, the band or the window cannot serve.
     """
-    asked = options or Options()
+    asked, dataset = options or Options(), without_rounding(dataset)
     part, notes = cut(dataset, asked.start_s, asked.stop_s), []
     time = part["time"].values
     change = speed_change(part)
@@ -137,7 +136,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     leads = _leads(part)
     return Survey(
         part, float(time[0]), float(time[-1]), clues, seen,
-        mesh_statistics(part, float(time[0])) if meshes else {},
+        round_statistics(mesh_statistics(part, float(time[0])), dataset) if meshes else {},
         tuple(share for share in shares if share is not None), tuple(_errors(part, leads)),
         tuple(_durations(part, leads)), tuple(_cycles(part, leads, notes)), list_bearing_loads(part),
         tuple(find_orbit(part, member, dataset) for member in list_members(part) if ".planet." not in member),
@@ -172,12 +171,11 @@ def _see(
     """Look at one output; of two axes density, waterfall and envelope are those of x."""
     signals = select_output(part, output)
     spectrum = find_spectrum(*signals, window=asked.window)
-    usable = USABLE * 2.0 * float(spectrum.axis[-1])
-    lines = name_lines(spectrum, clues, asked.lines, usable)
+    lines = name_lines(spectrum, clues, asked.lines, signals=signals)
     waterfall = find_waterfall(select_output(wide, output)[0], resolution_hz=asked.resolution_hz, speed=_lead(wide))
     mesh = clues.meshes.get(stage_of(output.partition(":")[2]), max(clues.meshes.values(), default=0.0))
     envelope = find_envelope(signals[0], *(asked.band or choose_band(spectrum, mesh)), window=asked.window)
-    found = name_lines(envelope.spectrum, replace(clues, rate=None), asked.lines, envelope.high_hz - envelope.low_hz)
+    found = name_lines(envelope.spectrum, clues, asked.lines, envelope.high_hz - envelope.low_hz)
     sidebands = tuple(_sidebands(spectrum, output, clues)) if speed_change(part) <= CHANGING else ()
     orders, order_lines = _orders(part, output, clues, asked, notes)
     courses = mesh_courses(wide, waterfall)

@@ -16,6 +16,7 @@ from ..analysis.trace import FEWEST, FloatArray, list_items, select_output
 from ..analysis.transmission import find_transmission_error
 from ..outputs import find_columns, nearest
 from ..results import Result
+from ..rounding import round_statistics, without_rounding
 from ..statistics import mesh_frequencies, mesh_statistics, steady_start, window
 from ..stepper import Counts
 
@@ -97,7 +98,7 @@ def _half(run: Result, name: str, quantities: list[str], fewest: int = 2) -> xr.
             f"--metric {name}: the second half of a run has {count} samples, {fewest} at least are needed; "
             "raise t_end or simulation.rate"
         )
-    return window(run.dataset[quantities])
+    return window(without_rounding(run.dataset)[quantities])
 
 
 def _take_forces(run: Result) -> Taken:
@@ -115,7 +116,7 @@ def _force_statistics(run: Result, name: str) -> dict[str, dict[str, float]]:
     """Return the statistics of the mesh forces over the second half, what lies between samples included."""
     _half(run, name, ["mesh_force"])
     kept = [one for one in ("mesh_force", "mesh_force_lowest", "mesh_force_highest") if one in run.dataset]
-    return mesh_statistics(run.dataset[kept], steady_start(run.dataset))
+    return round_statistics(mesh_statistics(run.dataset[kept], steady_start(run.dataset)), run.dataset)
 
 
 def _take_load_share(run: Result) -> Taken:
