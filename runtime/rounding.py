@@ -68,7 +68,8 @@ def _thrust(dataset: xr.Dataset, data: xr.DataArray) -> FloatArray | float:
         largest[stage_of(mesh)] = max(largest.get(stage_of(mesh), 0.0), size)
     members = [str(member) for member in data[data.dims[-1]].values]
     masses = [known.get(f"{group_of(member)}.mass") or np.inf for member in members]
-    return FLAT * np.array([largest.get(stage_of(member), 0.0) for member in members]) / np.array(masses)
+    forces = np.array([largest.get(stage_of(member), 0.0) for member in members])
+    return np.asarray(FLAT * forces / np.array(masses))
 
 
 def find_floors(dataset: xr.Dataset) -> dict[str, float]:

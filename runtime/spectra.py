@@ -16,12 +16,12 @@ Candidate = tuple[int, float, str]
 
 #: Highest orders that count within the tolerance; beyond them chance finds an order for anything.
 HARMONICS = 25
-#: Share of the tolerance within which orders beyond those count, and the widest that this may be over the mesh frequency
-#: or the turns that are counted.
+#: Share of the tolerance within which orders beyond those count, and the widest that this may be over the mesh
+#: frequency or the turns that are counted.
 CLOSE, SHARP = 1 / 3, 0.05
 CARRIER_ORDERS = 6
-#: Steps of sidebands that count within the tolerance, and those of turns that count more closely: as many as a stage has
-#: planets, as a rule.
+#: Steps of sidebands that count within the tolerance, and those of turns that count more closely: as many as a stage
+#: has planets, as a rule.
 SIDE_ORDERS, FAR_ORDERS = 3, 6
 #: Windows, and to how many bins on either side of a sine each spreads it (half of its main lobe).
 WINDOWS = {"hann": 2, "flattop": 5, "blackmanharris": 4, "boxcar": 1}
@@ -249,7 +249,7 @@ def explain_line(
     tiers: tuple[tuple[str, float, Iterable[Candidate]], ...] = (
         ("harmonic", tolerance_hz, _multiples(turning, highest)),
         ("sideband", tolerance_hz, _sidebands(turning, [carriers, turning], low, steps)),
-        ("shaft", tolerance_hz, chain(_multiples(carriers | others, steps), _sidebands(turning, [others], low, steps))),
+        ("shaft", close, chain(_multiples(carriers | others, steps), _sidebands(turning, [others], low, steps))),
         ("harmonic", close, _multiples(sharp, None, end)),
         ("sideband", close, _sidebands(sharp, [carriers, turning], None, steps, end)),
         ("shaft", close, chain(_sidebands(sharp, [others, faults], None, steps, end), _multiples(faults, None, end))),

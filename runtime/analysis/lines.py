@@ -161,16 +161,23 @@ def name_lines(
         return ()
     found = strongest_lines(spectrum.axis[inside], spectrum.value[inside], count, spectrum.separation, DUST)
     within = WITHIN * spectrum.resolution
+    # What turns more slowly than lines are told apart explains any line, and none.
+    carriers, shafts = (_resolved(spectrum, of) for of in (clues.carriers, clues.shafts))
     named = []
     for line in found:
         place = spectrum.refine(line.frequency_hz)
-        combs = {name: turns for name, turns in (clues.carriers | clues.shafts).items() if _comb(spectrum, place, turns)}
-        kind, name = explain_line(place, clues.meshes, within, clues.carriers, clues.shafts, combs, end)
+        combs = {name: turns for name, turns in (carriers | shafts).items() if _comb(spectrum, place, turns)}
+        kind, name = explain_line(place, clues.meshes, within, carriers, shafts, combs, end)
         near = nearest_mode(place, within, clues.modes)
         if not kind and near and decays_as(signals, place, TURN * clues.modes[near][1]):
             kind, name = "mode", near
         named.append(NamedLine(place, line.amplitude, kind, name, near))
     return tuple(named)
+
+
+def _resolved(spectrum: Spectrum, turning: Mapping[str, float]) -> dict[str, float]:
+    """Return the turns that a spectrum tells from each other."""
+    return {name: turns for name, turns in turning.items() if turns >= spectrum.separation}
 
 
 def _comb(spectrum: Spectrum, place: float, turns: float) -> bool:

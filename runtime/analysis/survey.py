@@ -18,7 +18,7 @@ from .envelope import Envelope, Sidebands, choose_band, find_envelope, find_side
 from .lines import DUST, Clues, NamedLine, find_clues, name_lines, turns_per_second
 from .orbits import Orbit, find_orbit, list_members
 from .orders import choose_shaft, find_order_spectrum, shaft_angle
-from .sharing import LoadShare, find_load_share, list_groups
+from .sharing import LoadShare, find_leads, find_load_share, list_groups
 from .span import CHANGING, cut, speed_change
 from .spectrum import Spectrum, find_density, find_spectrum
 from .trace import front, list_items, phase_of, pick, select_output
@@ -133,7 +133,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     seen = tuple(_see(part, wide, output, clues, asked, notes) for output in outputs)
     groups, meshes = list_groups(part), list_items(part, "mesh_force")
     shares = [_share(part, group, notes) for group, members in groups.items() if len(members) > 1]
-    leads = _leads(part)
+    leads = find_leads(part)
     return Survey(
         part, float(time[0]), float(time[-1]), clues, seen,
         round_statistics(mesh_statistics(part, float(time[0])), dataset) if meshes else {},
@@ -146,23 +146,8 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
 
 def _default_outputs(part: xr.Dataset) -> list[str]:
     """Return what is looked at when nobody says: the first mesh of each group, else the rotors' speeds."""
-    leads = [f"mesh_force:{mesh}" for mesh in _leads(part)]
+    leads = [f"mesh_force:{mesh}" for mesh in find_leads(part)]
     return leads or [f"speed:{rotor}" for rotor in list_items(part, "speed")[:4]]
-
-
-def _leads(part: xr.Dataset) -> list[str]:
-    """Return the first mesh of each group; of two flanks, the one that carries more."""
-    found: dict[str, str] = {}
-    for mesh in list_items(part, "mesh_force"):
-        lead = found.setdefault(group_of(front(mesh)), mesh)
-        if mesh != lead and front(mesh) == front(lead) and _carried(part, mesh) > _carried(part, lead):
-            found[group_of(front(mesh))] = mesh
-    return list(found.values())
-
-
-def _carried(part: xr.Dataset, mesh: str) -> float:
-    """Return the mean magnitude of a mesh's force [N]."""
-    return float(np.abs(pick(part, "mesh_force", mesh).values).mean())
 
 
 def _see(
@@ -174,7 +159,8 @@ def _see(
     lines = name_lines(spectrum, clues, asked.lines, signals=signals)
     waterfall = find_waterfall(select_output(wide, output)[0], resolution_hz=asked.resolution_hz, speed=_lead(wide))
     mesh = clues.meshes.get(stage_of(output.partition(":")[2]), max(clues.meshes.values(), default=0.0))
-    envelope = find_envelope(signals[0], *(asked.band or choose_band(spectrum, mesh)), window=asked.window)
+    band = asked.band or choose_band(spectrum, mesh, highest_hz=clues.band.end_hz)
+    envelope = find_envelope(signals[0], *band, window=asked.window)
     found = name_lines(envelope.spectrum, clues, asked.lines, envelope.high_hz - envelope.low_hz)
     sidebands = tuple(_sidebands(spectrum, output, clues)) if speed_change(part) <= CHANGING else ()
     orders, order_lines = _orders(part, output, clues, asked, notes)
@@ -197,7 +183,7 @@ def _sidebands(spectrum: Spectrum, output: str, clues: Clues) -> list[Sidebands]
         find_sidebands(spectrum, (f"{harmonic} {stage}", harmonic * mesh), (name, turns))
         for harmonic in range(1, CENTRES + 1)
         for name, turns in turning.items()
-        if mesh > 0.0 and stage_of(name) == stage and 3.0 * turns < mesh
+        if mesh > 0.0 and stage_of(name) == stage and 3.0 * turns < mesh and harmonic * mesh <= clues.band.end_hz
     ]
     loud = DUST * float(spectrum.value[1:].max())
     return [one for one in found if one is not None and one.amplitude > loud and one.depth > 0.0]
@@ -212,7 +198,8 @@ def _orders(
         return None, ()
     try:
         angle = shaft_angle(part, shaft)
-        found = find_order_spectrum(select_output(part, output)[0], angle, window=asked.window)
+        signal, end = select_output(part, output)[0], clues.band.end_hz
+        found = find_order_spectrum(signal, angle, window=asked.window, highest_hz=end)
     except LtcgearError as error:
         if asked.shaft is not None:
             raise
