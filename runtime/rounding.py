@@ -45,19 +45,28 @@ def without_rounding(dataset: xr.Dataset) -> xr.Dataset:
     dataset
         Simulation result, or a span of it; it stays as it is.
     """
-    floors = find_floors(dataset)
-    changed = {}
-    for name, data in dataset.data_vars.items():
+    floors, changed = find_floors(dataset), {}
+    for name in dataset.data_vars:
+        data = dataset.variables[name]
         unit = str(data.attrs.get("units", ""))
         floor = floors.get("m", 0.0) if name == "twist" and floors.get("m") == np.inf else floors.get(unit)
         if floor is not None and data.dtype.kind == "f" and data.size:
             values = _without(data, np.maximum(floor, _thrust(dataset, data)), FLAT if unit in LOADS else SHARE)
             if values is not None:
                 changed[name] = data.copy(data=values)
+    if "statistics" in dataset:
+        changed["statistics"] = _round_outputs(dataset["statistics"], floors)
     return dataset.assign(changed) if changed else dataset
 
 
-def _thrust(dataset: xr.Dataset, data: xr.DataArray) -> FloatArray | float:
+def _round_outputs(found: xr.DataArray, floors: Mapping[str, float]) -> xr.Variable:
+    """Return the statistics of outputs along the motion (statistic, output), those of what is rounding 0."""
+    size = np.abs(found.sel(statistic=["min", "max"]).values).max(axis=0)
+    floor = np.array([floors.get(str(unit), -1.0) for unit in found["output_unit"].values])
+    return found.variable.copy(data=np.where(size <= floor, 0.0, found.values))
+
+
+def _thrust(dataset: xr.Dataset, data: xr.Variable) -> FloatArray | float:
     """Return by member the acceleration that `FLAT` of its stage's mesh forces gives to its mass; 0 of all else."""
     if data.attrs["units"] != "m/s^2" or "mesh_force" not in dataset or "parameter_value" not in dataset:
         return 0.0
@@ -66,7 +75,7 @@ def _thrust(dataset: xr.Dataset, data: xr.DataArray) -> FloatArray | float:
     largest: dict[str, float] = {}
     for mesh, size in zip(map(str, dataset["mesh"].values), top.tolist(), strict=True):
         largest[stage_of(mesh)] = max(largest.get(stage_of(mesh), 0.0), size)
-    members = [str(member) for member in data[data.dims[-1]].values]
+    members = [str(member) for member in dataset.variables[data.dims[-1]].values]
     masses = [known.get(f"{group_of(member)}.mass") or np.inf for member in members]
     forces = np.array([largest.get(stage_of(member), 0.0) for member in members])
     return np.asarray(FLAT * forces / np.array(masses))
@@ -75,7 +84,7 @@ def _thrust(dataset: xr.Dataset, data: xr.DataArray) -> FloatArray | float:
 def find_floors(dataset: xr.Dataset) -> dict[str, float]:
     """Return by unit the size up to which values are rounding; infinite where all are."""
     largest: dict[str, float] = {}
-    for data in dataset.data_vars.values():
+    for data in (dataset.variables[name] for name in dataset.data_vars):
         unit = str(data.attrs.get("units", ""))
         if unit in (*LOADS, *MOTIONS) and "time" in data.dims and data.size:
             top = float(np.nan_to_num(np.abs(data.values)).max())
@@ -92,10 +101,20 @@ def is_unstrained(dataset: xr.Dataset) -> bool:
     static = dataset.attrs.get("static_strain_j")
     if static is None or not float(static) < LOADED or not {"mesh_force", "mesh_deflection"} <= set(dataset):
         return False
-    force, deflection = (
-        np.abs(dataset[name].transpose("time", ...).values).max(axis=0) for name in ("mesh_force", "mesh_deflection")
-    )
-    return force.size == deflection.size and bool((0.5 * force * deflection < LOADED).all())
+    force, deflection = (_peaks(dataset, name) for name in ("mesh_force", "mesh_deflection"))
+    return force.shape == deflection.shape and bool((0.5 * force * deflection < LOADED).all())
+
+
+def _peaks(dataset: xr.Dataset, quantity: str) -> FloatArray:
+    """Return the largest size of each item of a quantity: of samples, and where there are none of the statistics."""
+    signal = dataset[quantity].transpose("time", ...)
+    if signal.sizes["time"]:
+        return np.asarray(np.abs(signal.values).max(axis=0))
+    if "statistics" not in dataset:
+        return np.full(signal.shape[1:], np.inf)
+    labels = [f"{quantity}:{item}" for item in signal[signal.dims[-1]].values]
+    ends = dataset["statistics"].sel(output=labels, statistic=["min", "max"]).transpose("statistic", "output")
+    return np.asarray(np.abs(ends.values).max(axis=0))
 
 
 def round_statistics(found: Mapping[str, Mapping[str, float]], dataset: xr.Dataset) -> dict[str, dict[str, float]]:
@@ -108,7 +127,8 @@ def round_statistics(found: Mapping[str, Mapping[str, float]], dataset: xr.Datas
     dataset
         The result they belong to.
     """
-    floor = find_floors(dataset).get("N", 0.0)
+    largest = max((abs(one[end]) for one in found.values() for end in ("min", "max")), default=0.0)
+    floor = np.inf if is_unstrained(dataset) else max(find_floors(dataset).get("N", 0.0), SHARE * largest)
     told = {}
     for mesh, one in found.items():
         size = max(abs(one["min"]), abs(one["max"]))
@@ -118,7 +138,7 @@ def round_statistics(found: Mapping[str, Mapping[str, float]], dataset: xr.Datas
     return told
 
 
-def _without(data: xr.DataArray, floor: FloatArray | float, share: float) -> FloatArray | None:
+def _without(data: xr.Variable, floor: FloatArray | float, share: float) -> FloatArray | None:
     """Return an output's values, items that are rounding 0 and those that vary by no more constant; None if none is."""
     values = data.values
     rows = values[None] if "time" not in data.dims else np.moveaxis(values, data.dims.index("time"), 0)

@@ -159,7 +159,8 @@ class Run:
         outcome, clock = self.integration.conclude(), perf_counter()
         dataset = make_dataset(self.library, self.p, join_rows([*self.rows, self.reader.finish()]), outcome.extremes)
         outcome.seconds["outputs"] += perf_counter() - clock
-        about = summarise(self.library, self.p, self.at, outcome, _forces(dataset))
+        forces = _forces(dataset.assign_attrs(static_strain_j=static_strain(self.library, self.p, self.at)))
+        about = summarise(self.library, self.p, self.at, outcome, forces)
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
 
@@ -190,11 +191,16 @@ def list_settings(library: Library, choice: Choice, rtol: float, oversample: int
     }
 
 
+def static_strain(library: Library, p: Vector, at: Equilibrium) -> float:
+    """Return the strain energy of the loaded equilibrium [J]."""
+    return float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+
+
 def summarise(
     library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return how an integration went, what it is worth, and the forces it found."""
-    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+    strain = static_strain(library, p, at)
     residual = energy_residual(library, p, at, outcome)
     return {
         "status": outcome.status,

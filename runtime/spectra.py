@@ -212,9 +212,9 @@ def explain_line(
     Harmonics come first (``"3 hsp"``), lowest order preferred; then sidebands of
     a mesh's harmonic at the distance of a carrier's turns (``"hsp - 1 hsp.carrier"``) or of
     a slower mesh's (``"hsp + 1 lsp"``, ``"2 psh - 1 hsp"``), lowest sum of orders
-    preferred; then turns of carriers and shafts and sidebands at a shaft's distance; then, more
-    closely, what is of higher order: harmonics (``"46 lsp"``), sidebands (``"9 psh - 1 hsp"``), and
-    orders of shafts of which a comb of lines is there (``"27 psh.input"``).
+    preferred. More closely there follow harmonics of any order (``"46 lsp"``) and their sidebands at
+    a carrier's turns; turns of carriers and shafts (``"2 psh.input"``) and sidebands at a shaft's distance; all
+    orders of shafts of which a comb of lines is there (``"27 psh.input"``); far sidebands (``"4 psh - 4 lsp"``).
 
     Parameters
     ----------
@@ -249,11 +249,11 @@ def explain_line(
     tiers: tuple[tuple[str, float, Iterable[Candidate]], ...] = (
         ("harmonic", tolerance_hz, _multiples(turning, highest)),
         ("sideband", tolerance_hz, _sidebands(turning, [carriers, turning], low, steps)),
-        ("shaft", close, chain(_multiples(carriers | others, steps), _sidebands(turning, [others], low, steps))),
         ("harmonic", close, _multiples(sharp, None, end)),
-        ("sideband", close, _sidebands(sharp, [carriers, turning], None, steps, end)),
+        ("sideband", close, _sidebands(sharp, [carriers], None, steps, end)),
+        ("shaft", close, chain(_multiples(carriers | others, steps), _sidebands(turning, [others], low, steps))),
         ("shaft", close, chain(_sidebands(sharp, [others, faults], None, steps, end), _multiples(faults, None, end))),
-        ("sideband", close, _sidebands(sharp, [wheels], None, FAR_ORDERS if end else 0, end)),
+        ("sideband", close, _sidebands(sharp, [sharp, wheels], None, FAR_ORDERS if end else 0, end)),
     )
     for kind, within, candidates in tiers:
         matches = [

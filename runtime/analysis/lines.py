@@ -161,8 +161,10 @@ def name_lines(
         return ()
     found = strongest_lines(spectrum.axis[inside], spectrum.value[inside], count, spectrum.separation, DUST)
     within = WITHIN * spectrum.resolution
-    # What turns more slowly than lines are told apart explains any line, and none.
-    carriers, shafts = (_resolved(spectrum, of) for of in (clues.carriers, clues.shafts))
+    # What turns more slowly than lines are placed explains any of them, and none.
+    carriers, shafts = (
+        {name: turns for name, turns in of.items() if turns > 2.0 * within} for of in (clues.carriers, clues.shafts)
+    )
     named = []
     for line in found:
         place = spectrum.refine(line.frequency_hz)
@@ -173,11 +175,6 @@ def name_lines(
             kind, name = "mode", near
         named.append(NamedLine(place, line.amplitude, kind, name, near))
     return tuple(named)
-
-
-def _resolved(spectrum: Spectrum, turning: Mapping[str, float]) -> dict[str, float]:
-    """Return the turns that a spectrum tells from each other."""
-    return {name: turns for name, turns in turning.items() if turns >= spectrum.separation}
 
 
 def _comb(spectrum: Spectrum, place: float, turns: float) -> bool:

@@ -16,7 +16,7 @@ from ..analysis.trace import FEWEST, FloatArray, list_items, select_output
 from ..analysis.transmission import find_transmission_error
 from ..outputs import find_columns, nearest
 from ..results import Result
-from ..rounding import round_statistics, without_rounding
+from ..rounding import without_rounding
 from ..statistics import mesh_frequencies, mesh_statistics, steady_start, window
 from ..stepper import Counts
 
@@ -98,7 +98,7 @@ def _half(run: Result, name: str, quantities: list[str], fewest: int = 2) -> xr.
             f"--metric {name}: the second half of a run has {count} samples, {fewest} at least are needed; "
             "raise t_end or simulation.rate"
         )
-    return window(without_rounding(run.dataset)[quantities])
+    return window(run.dataset[quantities])
 
 
 def _take_forces(run: Result) -> Taken:
@@ -116,7 +116,7 @@ def _force_statistics(run: Result, name: str) -> dict[str, dict[str, float]]:
     """Return the statistics of the mesh forces over the second half, what lies between samples included."""
     _half(run, name, ["mesh_force"])
     kept = [one for one in ("mesh_force", "mesh_force_lowest", "mesh_force_highest") if one in run.dataset]
-    return round_statistics(mesh_statistics(run.dataset[kept], steady_start(run.dataset)), run.dataset)
+    return mesh_statistics(run.dataset[kept], steady_start(run.dataset))
 
 
 def _take_load_share(run: Result) -> Taken:
@@ -318,8 +318,9 @@ def take_values(result: Result, names: Sequence[str]) -> FloatArray:
 
 
 def _take(result: Result, names: Sequence[str]) -> dict[str, Values]:
-    """Return the values of metrics by the name of the variable."""
-    return {one.name: one for name in dict.fromkeys(names) for one in find_metric(name)(result)}
+    """Return the values of metrics by the name of the variable; what is rounding is 0."""
+    clean = Result(without_rounding(result.dataset), result.summary)
+    return {one.name: one for name in dict.fromkeys(names) for one in find_metric(name)(clean)}
 
 
 def unite(rows: Sequence[xr.Dataset]) -> xr.Dataset:
