@@ -30,6 +30,7 @@ from .simulation import (
     DEFAULT_RTOL,
     check_options,
     list_settings,
+    static_strain,
     summarise,
     take_rate,
     tell_forces,
@@ -121,7 +122,9 @@ def record(
         )
         heading = recorder.finish(outcome)
         summary = (
-            about | summarise(library, p, at, outcome, tell_forces(heading)) | {"seconds": seconds | outcome.seconds}
+            about
+            | summarise(library, p, at, outcome, tell_forces(heading, static_strain(library, p, at)))
+            | {"seconds": seconds | outcome.seconds}
         )
         if verify:
             summary |= verified(library, p, at, summary, **options)

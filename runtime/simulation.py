@@ -21,6 +21,7 @@ from .library import Library
 from .rates import Rate, choose_rate
 from .reading import Reader, Rows, by_quantity, join_rows, motion_statistics
 from .results import Result
+from .rounding import round_statistics
 from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics
@@ -159,7 +160,8 @@ class Run:
         rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
         dataset = make_dataset(self.library, self.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
-        about = summarise(self.library, self.p, self.at, outcome, tell_forces(dataset))
+        forces = tell_forces(dataset, static_strain(self.library, self.p, self.at))
+        about = summarise(self.library, self.p, self.at, outcome, forces)
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
 
@@ -172,11 +174,15 @@ def take_rate(
     return found
 
 
-def tell_forces(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return statistics of the mesh forces along the motion; none of a run that did not reach its end."""
+def tell_forces(dataset: "xr.Dataset", strain: float) -> dict[str, Any]:
+    """Return statistics of the mesh forces along the motion, rounding told as 0; none of a run that did not end.
+
+    ``strain`` is the energy that the loaded equilibrium stores [J].
+    """
     if "mesh_force" not in dataset or "statistics" not in dataset:
         return {}
-    return mesh_statistics(dataset, dataset["statistics"].attrs["from_s"])
+    found = mesh_statistics(dataset, dataset["statistics"].attrs["from_s"])
+    return round_statistics(found, dataset.assign_attrs(static_strain_j=strain))
 
 
 def verified(
@@ -202,11 +208,16 @@ def list_settings(library: Library, choice: Choice, rtol: float, sampling: Rate,
     return told if raw else told | {"band_hz": BAND * sampling.rate}
 
 
+def static_strain(library: Library, p: Vector, at: Equilibrium) -> float:
+    """Return the strain energy of the loaded equilibrium [J]."""
+    return float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+
+
 def summarise(
     library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return how an integration went, what it is worth, and the forces it found."""
-    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+    strain = static_strain(library, p, at)
     residual = energy_residual(library, p, at, outcome)
     return {
         "status": outcome.status,

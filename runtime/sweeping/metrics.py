@@ -19,6 +19,7 @@ from ..averages import STATISTICS as MOTION
 from ..band import BAND
 from ..outputs import find_columns, nearest
 from ..results import Result
+from ..rounding import without_rounding
 from ..statistics import mesh_frequencies, mesh_statistics, sample_statistics, steady_start, window
 from ..stepper import Counts
 
@@ -35,6 +36,8 @@ STATISTICS: dict[str, tuple[str, Callable[[Mapping[str, FloatArray]], FloatArray
 }
 """Statistic of an output over the second half of the run -> what it is, and how it follows from those of the motion."""
 SPECTRUM = "spectrum"
+SUMMARISED = {"forces", "load_share", "energy_residual", "counts"}
+"""Metrics that a run's summary holds, where what is rounding is 0 already."""
 FORCES = {
     "mean": "mean normal mesh force", "min": "smallest normal mesh force", "max": "largest normal mesh force",
     "rms": "root mean square of the normal mesh force", "amplitude": "half the span of the normal mesh force",
@@ -329,8 +332,10 @@ def take_values(result: Result, names: Sequence[str]) -> FloatArray:
 
 
 def _take(result: Result, names: Sequence[str]) -> dict[str, Values]:
-    """Return the values of metrics by the name of the variable."""
-    return {one.name: one for name in dict.fromkeys(names) for one in find_metric(name)(result)}
+    """Return the values of metrics by the name of the variable; what is rounding is 0."""
+    told = set(names) <= SUMMARISED and "forces" in result.summary
+    clean = result if told else Result(without_rounding(result.dataset), result.summary)
+    return {one.name: one for name in dict.fromkeys(names) for one in find_metric(name)(clean)}
 
 
 def unite(rows: Sequence[xr.Dataset]) -> xr.Dataset:

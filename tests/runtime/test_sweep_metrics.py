@@ -25,7 +25,7 @@ NAMES = [
     *(f"{statistic}:mesh_force" for statistic in STATISTICS),
     "mean:reference_angle",
     "max:pin_force_x",
-    "spectrum:acceleration:lsp.sun",
+    "spectrum:acceleration:lsp.planet.1",
     "spectrum:mesh_force:lsp.ring_planet.2",
 ]
 
@@ -69,6 +69,13 @@ def test_forces_are_those_of_the_summary(result, row):
     xr.testing.assert_identical(measure(loaded, ["forces"]), measure(result, ["forces"]))
 
 
+def test_a_member_that_symmetry_holds_at_rest_is_told_so(result):
+    """Opposite planets mesh in phase: what the sun is accelerated by is rounding, 1e-11 m/s^2."""
+    found = measure(result, ["max:acceleration_x:lsp.sun", "rms:acceleration_x:lsp.planet.1"])
+    assert float(found["max:acceleration_x:lsp.sun"]) == 0.0
+    assert float(found["rms:acceleration_x:lsp.planet.1"]) > 0.1
+
+
 def test_statistics_are_of_the_second_half(result, row):
     """Samples a hundred times as dense, weighted as the motion is, say the same."""
     found = case("lsp")
@@ -86,9 +93,10 @@ def test_statistics_are_of_the_second_half(result, row):
         "peak_to_peak": np.ptp(half),
     }
     for statistic, value in by_hand.items():
-        assert float(row[f"{statistic}:acceleration_x:lsp.planet.1"]) == pytest.approx(value, abs=2e-3 * half.std())
+        near = (1e-2 if "m" in statistic[:1] + statistic[-1:] else 2e-3) * half.std()
+        assert float(row[f"{statistic}:acceleration_x:lsp.planet.1"]) == pytest.approx(value, abs=near)
     pins = dense.dataset["pin_force_x"].values[half.size :]
-    assert row["max:pin_force_x"].values == pytest.approx(pins.max(axis=0), abs=2e-3 * np.ptp(pins))
+    assert row["max:pin_force_x"].values == pytest.approx(pins.max(axis=0), abs=1e-2 * np.ptp(pins))
     assert row["max:pin_force_x"].dims == ("pin",)
 
 
