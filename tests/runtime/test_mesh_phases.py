@@ -108,7 +108,7 @@ def test_a_smooth_stiffness_varies_by_the_phase_that_is_told(torque):
 def test_both_flanks_of_a_mesh_share_its_phases():
     c = case("psh", *BACKLASH[:1], 'stages.psh.mesh.backlash = "15 um"')
     path = c.run(method="erk", t_end=0.01, rate=1000.0)
-    data = make_dataset(c.library, c.p, sampled(c.library, path, c.p, 1))
+    data = make_dataset(c.library, c.p, sampled(c.library, path, c.p))
     assert data["mesh_force"].sizes["mesh"] == 2
     for name in PHASES:
         assert data[name].shape == (11, 1)
