@@ -43,6 +43,8 @@ typedef struct {
   whole last;
   whole capacity;
   whole most_steps;
+  whole most_points;
+  whole point_room;
   double rtol;
   double shortest;
   double widest;
@@ -51,6 +53,8 @@ typedef struct {
   double held_value;
   double end;
   double sampling;
+  double turning;
+  double passing;
   double *origin;
   double *scale;
   double *points;
@@ -60,6 +64,10 @@ typedef struct {
   double *error;
   double *slack;
   double *zeros;
+  double *rule_at;
+  double *rule_weight;
+  double *rule_motion;
+  double *rule_filter;
   whole *hold_index;
   function motion;
   function phases;
@@ -97,6 +105,7 @@ typedef struct {
   unsigned char *sides;
   whole done;
   whole filled;
+  whole pointed;
   whole seen;
   whole began;
   double reached;
@@ -111,6 +120,10 @@ typedef struct {
   double *y;
   double *y_after;
   double *trial;
+  double *point_x;
+  double *point_time;
+  double *point_weight;
+  double *point_levels;
   double *stages;
   double *power;
   double *rate;
@@ -804,6 +817,50 @@ static int advance_erk(march *m, double duration) {
   return DONE;
 }
 
+/* Points of an arc at which its outputs are read, with the weights of Lobatto's rule: sums over them are integrals over
+ * time of the motion itself, jumps included, whatever the sampling rate. */
+
+/* Write the state at a part of an arc, and note its time and weight. */
+static int take_point(march *m, double start, double part, double weight) {
+  double *x = m->point_x + m->pointed * m->n;
+  if (read_path(m, part, x)) return BESIDE;
+  for (whole i = 0; i < m->n; ++i) x[i] = m->origin[i] + m->scale[i] * x[i];
+  m->point_time[m->pointed] = start + part * m->reached;
+  m->point_weight[m->pointed] = weight * m->reached;
+  memcpy(m->point_levels + m->pointed * m->n_levels, m->s, (size_t)m->n_levels * sizeof *m->s);
+  m->pointed += 1;
+  return DONE;
+}
+
+/* Take the nodes of a block as points: nothing bends in it, and the trapezoidal rule serves. */
+static int take_nodes(march *m, double start) {
+  const whole last = m->n_nodes - 1;
+  const double room = (m->end - start) * (1 + 1e-12);
+  for (whole j = 0; j <= last && m->points[j] * m->reached <= room; ++j) {
+    int inner = j > 0 && j < last && m->points[j + 1] * m->reached <= room;
+    if (take_point(m, start, m->points[j], (inner ? 1.0 : 0.5) / (double)last)) return BESIDE;
+  }
+  return DONE;
+}
+
+/* Take the points of an arc, its ends included. Each panel of it has the fewest that resolve both the motion, to a
+ * millionth, and the motion under the filter, to a thousandth: ``rule_motion`` and ``rule_filter`` are the largest angles
+ * by which the fastest of both may turn in half a panel, by number of points from two on. */
+static int take_points(march *m, double start) {
+  const whole most = m->most_points;
+  if (!most) return DONE;
+  if (m->uniform) return take_nodes(m, start);
+  double motion = smaller(m->turning * m->reached, (double)m->n_nodes) / 2, filter = motion + m->passing * m->reached / 2;
+  double panels = ceil(larger(1.0, larger(motion / m->rule_motion[most - 2], filter / m->rule_filter[most - 2])));
+  whole count = 2;
+  while (count < most && larger(motion / m->rule_motion[count - 2], filter / m->rule_filter[count - 2]) > panels) ++count;
+  const whole first = count * (count - 1) / 2 - 1;
+  for (double panel = 0; panel < panels; ++panel)
+    for (whole k = first; k < first + count; ++k)
+      if (take_point(m, start, (panel + m->rule_at[k]) / panels, m->rule_weight[k] / panels)) return BESIDE;
+  return DONE;
+}
+
 /* One segment: to the next switching instant, border or knot; what it costs in energy; and its samples. */
 
 #define TRIALS 30      /* how often a segment may be cut before it ends on a border */
@@ -970,7 +1027,7 @@ static int arrive(march *m) {
   m->fresh = 0;
   memcpy(m->z, m->path + (m->n_nodes - 1) * m->n, (size_t)m->n * sizeof *m->z);
   find_signals(m, m->reached, m->s_end);
-  if ((fault = take_samples(m, start))) return fault;
+  if ((fault = take_samples(m, start)) || (fault = take_points(m, start))) return fault;
   change_cells(m, m->changed, m->s_end + m->n_levels);
   return DONE;
 }
@@ -1008,11 +1065,14 @@ static double clock_now(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* Say whether there is room for what another segment may leave. */
+static int has_room(const march *m) { return 2 * m->filled + 4 <= m->capacity && 2 * m->pointed <= m->point_room; }
+
 /* March on until the samples are complete or fill their block, the leg is over (a knot is met, the reference has turned
  * once), ``segments`` are done or the seconds are up. Returns DONE or a fault. */
 EXPORTED int ltcgear_march(march *m, whole segments, double seconds) {
   double start = clock_now();
-  for (whole i = 0; i < segments && m->done <= m->last && 2 * m->filled + 4 <= m->capacity; ++i) {
+  for (whole i = 0; i < segments && m->done <= m->last && has_room(m); ++i) {
     int fault = segment(m);
     if (fault) return fault;
     double angle = m->angle < 0 ? 0 : m->origin[m->angle] + m->scale[m->angle] * m->z[m->angle];
@@ -1020,6 +1080,55 @@ EXPORTED int ltcgear_march(march *m, whole segments, double seconds) {
     if (over || clock_now() - start > seconds) return DONE;
   }
   return DONE;
+}
+
+/* Sums over points of a motion: filtered samples, and means. */
+
+/* Add the share of a point, ``ahead`` samples after the first row, in all rows that its filter reaches. The table holds
+ * the filter: for each part of a sample, its values at the rows about the point. */
+static void spread(whole width, whole reach, whole fine, const double *restrict table, double ahead, double weight,
+                   double side, const double *restrict y, double *restrict rows, double *restrict weights) {
+  double first = ceil(ahead - (double)reach), place = (first - (ahead - (double)reach)) * (double)fine;
+  whole low = (whole)smaller(place, (double)fine - 1), row = (whole)first;
+  double part = place - (double)low;
+  const double *one = table + 2 * reach * low, *two = one + 2 * reach;
+  for (whole j = 0; j < 2 * reach; ++j) {
+    double share = weight * (one[j] + part * (two[j] - one[j])), signed_share = side * share;
+    if (row + j < 0) continue;
+    double *restrict to = rows + (row + j) * width;
+    for (whole i = 0; i < width; ++i) to[i] += signed_share * y[i];
+    weights[row + j] += share;
+  }
+}
+
+/* Add the shares of points to rows, the first of which is row ``first``: ``at`` is each one's place [samples]. Where the
+ * motion begins it is continued by its image through the first point, so that neither value nor slope jumps there. */
+EXPORTED void ltcgear_filter(whole points, whole width, whole reach, whole fine, const double *table, const double *at,
+                             const double *weight, const double *y, whole first, double *rows, double *weights) {
+  for (whole k = 0; k < points; ++k) {
+    const double *now = y + k * width;
+    spread(width, reach, fine, table, at[k] - (double)first, weight[k], 1.0, now, rows, weights);
+    if (at[k] < (double)reach && first <= 0)
+      spread(width, reach, fine, table, -at[k] - (double)first, weight[k], -1.0, now, rows, weights);
+  }
+}
+
+/* Add points to the sums of their weights, of values and of squares, and to the extremes; five rows of ``width``. */
+EXPORTED void ltcgear_sums(whole points, whole width, const double *weight, const double *y, double *sums) {
+  double *restrict whole_weight = sums, *restrict one = sums + width, *restrict two = one + width;
+  double *restrict low = two + width, *restrict high = low + width;
+  for (whole k = 0; k < points; ++k) {
+    const double *restrict now = y + k * width;
+    const double share = weight[k];
+    for (whole i = 0; i < width; ++i) {
+      const double value = now[i];
+      whole_weight[i] += share;
+      one[i] += share * value;
+      two[i] += share * value * value;
+      low[i] = smaller(value, low[i]);
+      high[i] = larger(value, high[i]);
+    }
+  }
 }
 
 #include "ltcgear.h"
