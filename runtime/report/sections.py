@@ -31,16 +31,11 @@ from .pictures import make_picture
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from ..linear.modes import Mode
 
 MOST = 8
 """Figures of one kind in a page."""
-LEAST = 16
-"""Bins that a spectrum shows at least."""
-HARMONICS = 6.5
-"""Harmonics of the fastest mesh that spectra show."""
 
 
 @dataclass
@@ -162,23 +157,16 @@ def _spectrum(part: xr.Dataset, quantity: str, item: str, clues: Clues, turning:
     ]
     for signal in signals:
         _refuse_constant(signal)
-    highest = HARMONICS * max(clues.meshes.values(), default=0.0)
+    end = clues.band.end_hz
     rotor = choose_shaft(part, stage_of(item)) if turning else None
     if rotor is not None:
         angle = shaft_angle(part, rotor)
-        spectrum = find_order_spectrum(signals[0], angle, highest_hz=clues.band.end_hz)
+        spectrum = find_order_spectrum(signals[0], angle, highest_hz=end)
         each, signals = turns_per_second(angle), []
-        clues, highest = clues.over(each), highest / each
+        clues, end = clues.over(each), float(spectrum.axis[-1])
     else:
         spectrum = find_spectrum(*signals)
-    end = _end(highest, spectrum.axis, clues.band.end_hz)
     return draw_spectrum(spectrum, name_lines(spectrum, clues, 8, end, signals), end)
-
-
-def _end(highest: float, axis: NDArray[np.float64], band: float) -> float:
-    """Return where a spectrum's axis ends; at the end of its band where little of it would be no picture."""
-    end = min(band, float(axis[-1]))
-    return min(highest, end) if highest > LEAST * axis[1] else end
 
 
 def _refuse_constant(signal: xr.DataArray) -> None:
@@ -216,9 +204,7 @@ def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section
         rotor = choose_shaft(dataset)
         speed = None if rotor is None else pick(dataset, "speed", rotor)
         found = find_waterfall(pick(dataset, "mesh_force", mesh), speed)
-        courses = mesh_courses(dataset, found)
-        fastest = float(courses[stage_of(mesh)].max()) if stage_of(mesh) in courses else 0.0
-        return found, courses, _end(HARMONICS * fastest, found.frequency, find_band(dataset).end_hz)
+        return found, mesh_courses(dataset, found), find_band(dataset).end_hz
 
     section.draw(lambda: draw_spectrogram(*find()), "Brighter is stronger.", 3.3)
     section.draw(lambda: draw_waterfall(*find()), "Spectra one above another.", 3.3)
