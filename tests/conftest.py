@@ -12,12 +12,14 @@ from ltcgear.runtime import cli
 
 @pytest.fixture(autouse=True, scope="session")
 def store(tmp_path_factory):
-    """Point LTCGEAR_CACHE to a private folder; one for the session, so that each model is compiled once.
+    """Point LTCGEAR_CACHE to a private folder; one for all workers of a session, so that each model is compiled once.
 
     LTCGEAR_TEST_STORE names one that sessions under other arithmetic share.
     """
-    shared = os.environ.get("LTCGEAR_TEST_STORE")
-    folder = Path(shared) if shared else tmp_path_factory.mktemp("ltcgear-cache")
+    shared, base = os.environ.get("LTCGEAR_TEST_STORE"), tmp_path_factory.getbasetemp()
+    private = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "ltcgear-cache"
+    folder = Path(shared) if shared else private
+    folder.mkdir(mode=0o700, exist_ok=True)
     folder.chmod(0o700)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LTCGEAR_CACHE", str(folder))
