@@ -101,9 +101,9 @@ class BandFilter:
         at, share = time * self.rate, weight * self.rate
         self._add(at, share, values)
         self.reached = float(at[-1])
-        held = [np.concatenate([old, new]) for old, new in ((self.at, at), (self.share, share), (self.last, values))]
-        near = int(np.searchsorted(held[0], self.reached - REACH))
-        self.at, self.share, self.last = (array[near:].copy() for array in held)
+        before, near = (int(np.searchsorted(places, self.reached - REACH)) for places in (self.at, at))
+        pairs = ((self.at, at), (self.share, share), (self.last, values))
+        self.at, self.share, self.last = (np.concatenate([old[before:], new[near:]]) for old, new in pairs)
 
     def release(self) -> Vector:
         """Return the rows that no later point reaches, shape (rows, n_y)."""

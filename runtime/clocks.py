@@ -75,7 +75,7 @@ class Clocks:
         found = (self.by_mesh.get(mesh) for mesh in meshes)
         return np.array([course.after(turns)[0] if course else 0 for course in found], dtype=np.int64)
 
-    def outputs(self, batch: Batch, x: Vector, s: Vector, phi: Vector, turns: Whole) -> Vector:
+    def outputs(self, batch: Batch, x: Vector, s: Vector, phi: Vector | None, turns: Whole) -> Vector:
         """Evaluate the outputs at many times.
 
         Parameters
@@ -85,27 +85,28 @@ class Clocks:
         x, s
             States, levels and signals, shapes (m, n) and (m, n_s).
         phi, turns
-            Reference angles [rad] less whole turns, and these, shapes (m,).
+            Reference angles [rad] less whole turns, None where those of the states lack them, and these, shapes (m,).
 
         Returns
         -------
         numpy.ndarray
             Shape (m, n_y). Phases of meshes lack the cycles that the turns took off, see `unwound`.
         """
-        x, cuts = x.copy(), np.flatnonzero(np.diff(turns)) + 1
-        if self.angle is not None:
+        cuts = np.flatnonzero(np.diff(turns)) + 1
+        if self.angle is not None and phi is not None:
+            x = x.copy()
             x[:, self.angle] = phi
         found = [
             batch(x[first:last], s[first:last], self.parameters(int(turns[first])))
             for first, last in pairwise([0, *cuts, len(turns)])
         ]
-        return np.concatenate(found)
+        return found[0] if len(found) == 1 else np.concatenate(found)
 
-    def unwound(self, mesh: str, turns: Whole) -> Vector:
-        """Return what a mesh's phases [cycles] lack after some turns, shape (m,)."""
+    def unwound(self, meshes: Sequence[str], turns: Whole) -> Vector:
+        """Return what the phases of meshes lack after some turns [cycles], shape (m, meshes)."""
         different, place = np.unique(turns, return_inverse=True)
-        lacking = np.array([self.cycles([mesh], int(each))[0] for each in different], dtype=np.float64)
-        return np.asarray(lacking[place])
+        lacking = np.array([self.cycles(meshes, int(each)) for each in different], dtype=np.float64)
+        return np.asarray(lacking.reshape(len(different), len(meshes))[place])
 
 
 def read_courses(manifest: Manifest, p: Vector) -> list[Course]:

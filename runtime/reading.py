@@ -70,10 +70,12 @@ def outputs_of(library: Library, clocks: Clocks, samples: Block | Points | Traje
 
 def _outputs(batch: Batch, clocks: Clocks, samples: Block | Points | Trajectory) -> Vector:
     """Evaluate the outputs by a function that is bound already."""
-    values = clocks.outputs(batch, samples.x, samples.s, samples.phi, samples.turns)
-    for column, report in enumerate(batch.library.manifest.reports):
-        if report.quantity in PHASES:
-            values[:, column] += clocks.unwound(report.item, samples.turns)
+    phi = None if isinstance(samples, Points) else samples.phi
+    values = clocks.outputs(batch, samples.x, samples.s, phi, samples.turns)
+    reports = batch.library.manifest.reports
+    columns = [column for column, report in enumerate(reports) if report.quantity in PHASES]
+    if columns and samples.turns.any():
+        values[:, columns] += clocks.unwound([reports[column].item for column in columns], samples.turns)
     return values
 
 
@@ -144,7 +146,8 @@ class Reader:
         """Take points into filter and statistics."""
         if not len(points.time):
             return
-        values = _outputs(self.batch, self.clocks, points) - self._start
+        values = _outputs(self.batch, self.clocks, points)
+        values -= self._start
         self.averages.take(points.time, points.weight, values)
         if not self.raw:
             self.filter.take(points.time, points.weight, values)

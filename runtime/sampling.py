@@ -49,6 +49,8 @@ class Points:
     ----------
     weight
         Shape (m,); sums over it are integrals over time.
+    x
+        States, the reference angle less whole turns, shape (m, n).
     """
 
     time: Vector
@@ -56,13 +58,12 @@ class Points:
     x: Vector
     levels: Vector
     signals: Vector
-    phi: Vector
     turns: NDArray[np.int64]
 
     @property
     def s(self) -> Vector:
         """Return levels and signals, the functions' second argument, shape (m, l + k)."""
-        return np.hstack([self.levels, self.signals])
+        return np.hstack([self.levels, self.signals]) if self.signals.shape[1] else self.levels
 
 
 Joined = TypeVar("Joined", Block, Points)
@@ -76,7 +77,7 @@ def join(blocks: list[Joined]) -> Joined:
 def no_points(march: March) -> Points:
     """Return no points of a march."""
     x, levels, signals = (np.zeros((0, size)) for size in (len(march.z), len(march.cells), march.state.n_signals))
-    return Points(np.zeros(0), np.zeros(0), x, levels, signals, np.zeros(0), np.zeros(0, dtype=np.int64))
+    return Points(np.zeros(0), np.zeros(0), x, levels, signals, np.zeros(0, dtype=np.int64))
 
 
 class Samples:
@@ -122,8 +123,8 @@ class Samples:
         count, state.pointed = state.pointed, 0
         if count:
             time, weight, x, levels = self._left("point", ("time", "weight", "x", "levels"), count)
-            phi, turns = self._turn(x)
-            self.beyond.append(Points(time, weight, x, levels, self.march.signals.over(time), phi, turns))
+            turns = np.full(count, self.march.turns)
+            self.beyond.append(Points(time, weight, x, levels, self.march.signals.over(time), turns))
             self.held += count
         if self.held >= BLOCK:
             self.flush()

@@ -1,31 +1,59 @@
 /* Sums over points of a motion: filtered samples, and means. */
 
-/* Add the share of a point, ``ahead`` samples after the first row, in all rows that its filter reaches. The table holds
- * the filter: for each part of a sample, its values at the rows about the point. */
-static void spread(whole width, whole reach, whole fine, const double *restrict table, double ahead, double weight,
-                   double side, const double *restrict y, double *restrict rows, double *restrict weights) {
+enum { CHUNK = 64, TILE = 64, MOST_REACH = 16 }; /* points whose shares wait; columns whose rows stay near; bound */
+
+/* A point's shares in the rows that its filter reaches: the first of them, and on which side of the start it is. */
+typedef struct {
+  whole row;
+  double side;
+  const double *y;
+  double share[2 * MOST_REACH];
+} sharing;
+
+/* Find the shares of a point, ``ahead`` samples after the first row. The table holds the filter: for each part of a sample,
+ * its values at the rows about the point. */
+static void find_shares(whole reach, whole fine, const double *table, double ahead, double weight, sharing *s) {
   double first = ceil(ahead - (double)reach), place = (first - (ahead - (double)reach)) * (double)fine;
-  whole low = (whole)smaller(place, (double)fine - 1), row = (whole)first;
+  whole low = (whole)smaller(place, (double)fine - 1);
   double part = place - (double)low;
   const double *one = table + 2 * reach * low, *two = one + 2 * reach;
-  for (whole j = 0; j < 2 * reach; ++j) {
-    double share = weight * (one[j] + part * (two[j] - one[j])), signed_share = side * share;
-    if (row + j < 0) continue;
-    double *restrict to = rows + (row + j) * width;
-    for (whole i = 0; i < width; ++i) to[i] += signed_share * y[i];
-    weights[row + j] += share;
+  for (whole j = 0; j < 2 * reach; ++j) s->share[j] = weight * (one[j] + part * (two[j] - one[j]));
+  s->row = (whole)first;
+}
+
+/* Add what points share to rows, a tile of columns after the other, so that the rows of a tile stay near. */
+static void add_shares(whole count, const sharing *all, whole width, whole reach, double *rows, double *weights) {
+  for (whole left = 0; left < width; left += TILE) {
+    const whole columns = left + TILE < width ? TILE : width - left;
+    for (whole k = 0; k < count; ++k) {
+      const double *restrict y = all[k].y + left;
+      for (whole j = all[k].row < 0 ? -all[k].row : 0; j < 2 * reach; ++j) {
+        const double share = all[k].side * all[k].share[j];
+        double *restrict to = rows + (all[k].row + j) * width + left;
+        for (whole i = 0; i < columns; ++i) to[i] += share * y[i];
+      }
+    }
   }
+  for (whole k = 0; k < count; ++k)
+    for (whole j = all[k].row < 0 ? -all[k].row : 0; j < 2 * reach; ++j) weights[all[k].row + j] += all[k].share[j];
 }
 
 /* Add the shares of points to rows, the first of which is row ``first``: ``at`` is each one's place [samples]. Where the
  * motion begins it is continued by its image through the first point, so that neither value nor slope jumps there. */
 EXPORTED void ltcgear_filter(whole points, whole width, whole reach, whole fine, const double *table, const double *at,
                              const double *weight, const double *y, whole first, double *rows, double *weights) {
+  sharing all[CHUNK + 1];
+  whole count = 0;
   for (whole k = 0; k < points; ++k) {
-    const double *now = y + k * width;
-    spread(width, reach, fine, table, at[k] - (double)first, weight[k], 1.0, now, rows, weights);
-    if (at[k] < (double)reach && first <= 0)
-      spread(width, reach, fine, table, -at[k] - (double)first, weight[k], -1.0, now, rows, weights);
+    find_shares(reach, fine, table, at[k] - (double)first, weight[k], all + count);
+    all[count].side = 1, all[count].y = y + k * width;
+    ++count;
+    if (at[k] < (double)reach && first <= 0) {
+      find_shares(reach, fine, table, -at[k] - (double)first, weight[k], all + count);
+      all[count].side = -1, all[count].y = y + k * width;
+      ++count;
+    }
+    if (count >= CHUNK || k == points - 1) add_shares(count, all, width, reach, rows, weights), count = 0;
   }
 }
 
