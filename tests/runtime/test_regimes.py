@@ -59,7 +59,8 @@ def test_any_loads_are_followed(seed, method):
         *table(("input", "speed"), "rpm", generator.uniform(-3000, 3000, 5)),
     )
     c = case("psh", *settings)
-    path = c.run(method=method, rtol=1e-5, t_end=0.02, rate=5000.0)
+    # At 1e-5 cvodes gives up with one such load in sixty, and the processor's last bits decide with which.
+    path = c.run(method=method, rtol=1e-6, t_end=0.02, rate=5000.0)
     assert path.status == "done"
     assert path.counts.events == path.expected_events
     assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-2
