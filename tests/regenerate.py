@@ -11,6 +11,7 @@ from ltcgear.runtime.cli.command_page import write_commands
 from ltcgear.runtime.library import Library
 from ltcgear.runtime.plain.data import Run, write_data
 from ltcgear.runtime.plain.kit import write_kit
+from ltcgear.runtime.rates import find_rate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.effect_page import write_effects
 from ltcgear.symbolic.pipeline import generate
@@ -34,10 +35,11 @@ def texts(scene: str) -> dict[str, str]:
     model = build_model(settings)
     artifact = generate(model)
     files = store.files(artifact)
-    run = Run(model.values(), model.tables, settings.simulation.t_end, settings.simulation.rate)
     # CasADi's virtual machine rather than a compiler's code for this processor.
     bare = Library(artifact.manifest, None, {}, artifact)
-    data = write_data(replace(bare, functions=bare.graphs), settings.name, run)
+    library = replace(bare, functions=bare.graphs)
+    rate = find_rate(library, model.values(), model.tables, settings.simulation.rate).rate
+    data = write_data(library, settings.name, Run(model.values(), model.tables, settings.simulation.t_end, rate))
     return {name: files[name] for name in ("model.c", "manifest.json")} | {"data.c": data}
 
 

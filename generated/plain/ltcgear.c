@@ -43,6 +43,9 @@ typedef struct {
   whole last;
   whole capacity;
   whole most_steps;
+  whole n_gauss;
+  whole point_room;
+  whole summed;
   double rtol;
   double shortest;
   double widest;
@@ -51,6 +54,10 @@ typedef struct {
   double held_value;
   double end;
   double sampling;
+  double turning;
+  double passing;
+  double span_from;
+  double span_to;
   double *origin;
   double *scale;
   double *points;
@@ -60,6 +67,10 @@ typedef struct {
   double *error;
   double *slack;
   double *zeros;
+  double *gauss_at;
+  double *gauss_weight;
+  double *gauss_motion;
+  double *gauss_filter;
   whole *hold_index;
   function motion;
   function phases;
@@ -97,6 +108,7 @@ typedef struct {
   unsigned char *sides;
   whole done;
   whole filled;
+  whole pointed;
   whole seen;
   whole began;
   double reached;
@@ -111,6 +123,10 @@ typedef struct {
   double *y;
   double *y_after;
   double *trial;
+  double *point_x;
+  double *point_time;
+  double *point_weight;
+  double *point_levels;
   double *stages;
   double *power;
   double *rate;
@@ -120,6 +136,9 @@ typedef struct {
   double *seen_forces;
   double *arc_lowest;
   double *arc_steady;
+  double *stage_forces;
+  double *arc_sums;
+  double *sums;
   double *now;
   double *after;
   double *ahead;
@@ -144,6 +163,8 @@ typedef struct {
 /* The march: an integration under way, segment by segment of smooth motion between switching instants. This text is
  * compiled once; all that belongs to a model comes by pointers. The structure ``march`` stands before it, written from
  * the one list of its fields. */
+
+#define TURN 6.283185307179586
 
 enum { DONE, NOT_FINITE, TOO_SMALL, TOO_MANY, TOGETHER, NOT_LOCATED, BESIDE, UNBOUNDED, STOPPED };
 
@@ -600,9 +621,9 @@ static void note_forces(march *m, double time) {
   t[2] = time;
   for (whole i = 0; i < count; ++i) {
     double force = m->forces[i];
-    note(m, i, force, m->time + time >= m->end / 2);
+    note(m, i, force, m->time + time >= m->span_from);
     if (m->seen >= 2 && (two[i] - one[i]) * (force - two[i]) < 0)
-      note(m, i, vertex(t, one[i], two[i], force), m->time + t[1] >= m->end / 2);
+      note(m, i, vertex(t, one[i], two[i], force), m->time + t[1] >= m->span_from);
     one[i] = two[i], two[i] = force;
   }
   t[0] = t[1], t[1] = time;
@@ -633,6 +654,52 @@ static void keep_extremes(march *m) {
     m->steady[i] = fmin(m->steady[i], m->arc_steady[i]);
     m->steady[count + i] = fmax(m->steady[count + i], m->arc_steady[count + i]);
   }
+}
+
+/* Sums of the mesh forces over a span of time, by the quadrature of the explicit method itself, as the work is: the forces
+ * at its stages are there anyway. Momentum changes by the same sum, so a mean is as accurate as the motion. */
+
+enum { NONE, ALIKE, TAPERED }; /* ``summed``: which instants of the span count, all alike or under weights */
+
+/* The weight of an instant: 1, or sin(pi s)^4 as in averages.py. */
+static double weight_at(const march *m, double time) {
+  if (m->summed == ALIKE) return 1.0;
+  double part = (time - m->span_from) / (m->span_to - m->span_from), root = sin(TURN / 2 * part);
+  return part > 0 && part < 1 ? root * root * root * root : 0.0;
+}
+
+/* The forces where a step begins are those where the one before has ended. */
+static void begin_step(march *m) { memcpy(m->stage_forces, m->forces, (size_t)m->n_forces * sizeof *m->forces); }
+
+/* Begin an arc: its sums count only once it is sure that the motion goes along it. */
+static void begin_sums(march *m) {
+  memset(m->arc_sums, 0, (size_t)(1 + 2 * m->n_forces) * sizeof *m->arc_sums);
+  begin_step(m);
+}
+
+/* Add a step, with the nodes and shares of the method, to the sums of weights, of the forces and of their squares. */
+static void add_step(march *m, double start, double h, const double *node, const double *share) {
+  const whole count = m->n_forces;
+  double weight[STAGES], *restrict one = m->arc_sums + 1, *restrict two = one + count;
+  for (int j = 0; j < STAGES - 1; ++j) {
+    weight[j] = h * share[j] * weight_at(m, m->time + start + node[j] * h);
+    m->arc_sums[0] += weight[j];
+  }
+  for (whole i = 0; i < count; ++i) {
+    double sum = 0, square = 0;
+    for (int j = 0; j < STAGES - 1; ++j) {
+      double force = m->stage_forces[j * count + i], part = weight[j] * force;
+      sum += part;
+      square += part * force;
+    }
+    one[i] += sum, two[i] += square;
+  }
+  begin_step(m);
+}
+
+/* Keep what an arc has added. */
+static void keep_sums(march *m) {
+  for (whole i = 0; m->summed && i < 1 + 2 * m->n_forces; ++i) m->sums[i] += m->arc_sums[i];
 }
 
 /* The explicit Runge-Kutta pair 5(4) of Tsitouras (Computers and Mathematics with Applications 62, 2011), with its dense
@@ -755,6 +822,7 @@ static int advance_erk(march *m, double duration) {
   begin_extremes(m);
   if (motion_at(m, 0, y, k, power, m->forces)) return NOT_FINITE;
   note_forces(m, 0);
+  if (m->summed) begin_sums(m);
   double step = m->step > 0 ? m->step : first_step(m, duration, y);
   int rejected = 0;
   while (t < duration) {
@@ -763,7 +831,8 @@ static int advance_erk(march *m, double duration) {
     if (!(h > SMALLEST * duration)) return TOO_SMALL;
     if (++steps > m->most_steps) return TOO_MANY;
     for (int j = 1; j < STAGES; ++j) {
-      double *at = j == STAGES - 1 ? after : m->trial, *forces = j == STAGES - 1 ? m->forces : 0;
+      double *at = j == STAGES - 1 ? after : m->trial, *forces = m->summed ? m->stage_forces + j * m->n_forces : 0;
+      if (j == STAGES - 1) forces = m->forces;
       combine(m, j, A[j], h, y, at);
       if (motion_at(m, t + NODE[j] * h, at, k + j * n, power + j, forces)) return NOT_FINITE;
     }
@@ -787,6 +856,7 @@ static int advance_erk(march *m, double duration) {
     /* A step that was shortened to divide what was left says nothing against the longer one. */
     step = h * factor < step && factor >= 1 ? step : h * factor;
     work += gained;
+    if (m->summed) add_step(m, t, h, NODE, WEIGHT);
     t = last ? duration : t + h;
     note_forces(m, t);
     double *other = y;
@@ -804,11 +874,54 @@ static int advance_erk(march *m, double duration) {
   return DONE;
 }
 
+/* Points of an arc at which its outputs are read, with the weights of Gauss's rule: sums over them are integrals over
+ * time of the motion itself, jumps included, whatever the sampling rate. */
+
+/* Write the state at a part of an arc, and note its time and weight. */
+static int take_point(march *m, double start, double part, double weight) {
+  double *x = m->point_x + m->pointed * m->n;
+  if (read_path(m, part, x)) return BESIDE;
+  for (whole i = 0; i < m->n; ++i) x[i] = m->origin[i] + m->scale[i] * x[i];
+  m->point_time[m->pointed] = start + part * m->reached;
+  m->point_weight[m->pointed] = weight * m->reached;
+  memcpy(m->point_levels + m->pointed * m->n_levels, m->s, (size_t)m->n_levels * sizeof *m->s);
+  m->pointed += 1;
+  return DONE;
+}
+
+/* Take the nodes of a block as points: nothing bends in it, and the trapezoidal rule serves. */
+static int take_nodes(march *m, double start) {
+  const whole last = m->n_nodes - 1;
+  const double room = (m->end - start) * (1 + 1e-12);
+  for (whole j = 0; j <= last && m->points[j] * m->reached <= room; ++j) {
+    int inner = j > 0 && j < last && m->points[j + 1] * m->reached <= room;
+    if (take_point(m, start, m->points[j], (inner ? 1.0 : 0.5) / (double)last)) return BESIDE;
+  }
+  return DONE;
+}
+
+/* Take the points of an arc. Each panel of it has the fewest that resolve both the motion, to a millionth, and the motion
+ * under the filter, to a thousandth: ``gauss_motion`` and ``gauss_filter`` are the largest angles by which the fastest of
+ * both may turn in half a panel, by number of points. */
+static int take_points(march *m, double start) {
+  if (!m->n_gauss) return DONE;
+  if (m->uniform) return take_nodes(m, start);
+  const whole most = m->n_gauss - 1;
+  double motion = smaller(m->turning * m->reached, (double)m->n_nodes) / 2, filter = motion + m->passing * m->reached / 2;
+  double panels = ceil(larger(1.0, larger(motion / m->gauss_motion[most], filter / m->gauss_filter[most])));
+  whole count = 1;
+  while (count <= most && (motion > panels * m->gauss_motion[count - 1] || filter > panels * m->gauss_filter[count - 1])) ++count;
+  const double *at = m->gauss_at + count * (count - 1) / 2, *weight = m->gauss_weight + count * (count - 1) / 2;
+  for (double panel = 0; panel < panels; ++panel)
+    for (whole k = 0; k < count; ++k)
+      if (take_point(m, start, (panel + at[k]) / panels, weight[k] / panels)) return BESIDE;
+  return DONE;
+}
+
 /* One segment: to the next switching instant, border or knot; what it costs in energy; and its samples. */
 
 #define TRIALS 30      /* how often a segment may be cut before it ends on a border */
 #define STANDING 1e-6  /* speed over the largest of an arc below which a free train stands still */
-#define TURN 6.283185307179586
 #define FAR 1e12       /* times the size of vibrations: kilometres, for gears */
 
 /* Put in the reference angle, which a held speed makes known: no tolerance then moves a switching. */
@@ -954,6 +1067,7 @@ static int arrive(march *m) {
   const double start = m->time;
   int fault;
   keep_extremes(m);
+  keep_sums(m);
   memcpy(m->arc_cells, m->cells, (size_t)m->n_levels * sizeof *m->cells);
   memcpy(m->arc_sides, m->sides, (size_t)m->n_holds);
   change_sides(m, m->new_sides);
@@ -962,7 +1076,7 @@ static int arrive(march *m) {
   m->fresh = 0;
   memcpy(m->z, m->path + (m->n_nodes - 1) * m->n, (size_t)m->n * sizeof *m->z);
   find_signals(m, m->reached, m->s_end);
-  if ((fault = take_samples(m, start))) return fault;
+  if ((fault = take_samples(m, start)) || (fault = take_points(m, start))) return fault;
   change_cells(m, m->changed, m->s_end + m->n_levels);
   return DONE;
 }
@@ -1000,11 +1114,14 @@ static double clock_now(void) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
+/* Say whether there is room for what another segment may leave. */
+static int has_room(const march *m) { return 2 * m->filled + 4 <= m->capacity && 2 * m->pointed <= m->point_room; }
+
 /* March on until the samples are complete or fill their block, the leg is over (a knot is met, the reference has turned
  * once), ``segments`` are done or the seconds are up. Returns DONE or a fault. */
 EXPORTED int ltcgear_march(march *m, whole segments, double seconds) {
   double start = clock_now();
-  for (whole i = 0; i < segments && m->done <= m->last && 2 * m->filled + 4 <= m->capacity; ++i) {
+  for (whole i = 0; i < segments && m->done <= m->last && has_room(m); ++i) {
     int fault = segment(m);
     if (fault) return fault;
     double angle = m->angle < 0 ? 0 : m->origin[m->angle] + m->scale[m->angle] * m->z[m->angle];
@@ -1065,7 +1182,7 @@ static const char *const REASON[] = {
     "a mass or an inertia must be positive",
     "a stiffness or a damping must not be negative",
     "a share must lie between 0 and 1",
-    "the time lies behind, or the samples are none",
+    "the time lies behind, or there is no time or sample up to it",
     "there is no memory left",
     "nothing can vibrate: every freedom of the scene is held",
     "no equilibrium: nothing holds a member against the loads",
@@ -1146,6 +1263,7 @@ static void lay_out(ltcgear_run *run, room *r) {
   m->fine = reals(r, holds ? (FINE + 1) * nodes : 0), m->fine_values = reals(r, (FINE + 1) * holds);
   m->error = reals(r, n * holds), m->node_values = reals(r, nodes * holds);
   m->power = reals(r, STAGES), m->balance = reals(r, 5), m->seen_time = reals(r, 3);
+  m->stage_forces = reals(r, STAGES * forces), m->sums = reals(r, 1 + 2 * forces), m->arc_sums = reals(r, 1 + 2 * forces);
   run->y = reals(r, model->n_outputs);
   EACH(whole, wholes, meshes, &m->cells, &m->last_turn, &m->changed, &m->arc_cells);
   EACH(whole, wholes, model->n_clocks, &run->rest, &run->cycles);
@@ -1194,7 +1312,7 @@ static void set_sizes(ltcgear_run *run, double rtol) {
   m->n_forces = model->n_forces, m->angle = model->angle, m->free = model->free_speed;
   m->speed = model->speed_signal, m->held = model->speed_held;
   m->hold_index = (whole *)model->holds; /* which is only read */
-  m->end = INFINITY;
+  m->end = m->span_from = INFINITY;
   stop_sampling(m);
   m->rtol = rtol, m->unresolved = larger(rtol, FINEST);
   m->held_value = HELD, m->most_steps = MOST_STEPS;
@@ -1962,6 +2080,7 @@ int ltcgear_restore(ltcgear_run *run, const void *from) {
 /* A run under way: from knot to knot of the loads and from turn to turn of the reference. */
 
 #define CAPACITY 512 /* samples that wait to be taken; no segment holds more than half of them */
+#define PARTS 64     /* segments of a span whose weights fall to zero at its ends, at least */
 
 /* Who takes samples, where, and what a march may go back to: the run as it was before the samples that wait. */
 typedef struct {
@@ -2035,23 +2154,32 @@ static void go_back(ltcgear_run *run, const taker *t, double sample) {
   go_on(run, sample, 0);
 }
 
-/* March to a time. A segment holds no more samples than there is room for. */
+/* Set how long segments may be: they hold no more samples than there is room for, and weights hardly change in one. Return
+ * where the next one ends at the latest: where a span of weights begins, if it is so short that this counts. */
+static double limit_segment(ltcgear_run *run, double until, const taker *t) {
+  march *m = &run->m;
+  const double part = m->summed == TAPERED ? (m->span_to - m->span_from) / PARTS : INFINITY;
+  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
+  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
+  if (m->time >= m->span_from) m->widest = smaller(m->widest, part);
+  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
+  return m->time < m->span_from && m->longest > part ? m->span_from : until;
+}
+
+/* March to a time. */
 static int go_on(ltcgear_run *run, double until, const taker *t) {
   march *m = &run->m;
   if (!run->started) return NOT_STARTED;
   if (!isfinite(until)) return NOT_A_NUMBER;
   if (until < m->time) return NOT_AHEAD;
-  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
-  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
-  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
   while (m->time < until) {
-    double last;
+    double last, stop = limit_segment(run, until, t);
     if (t) pass_run(run, &(passage){t->before, 0, SAVING});
-    begin_leg(run, until);
+    begin_leg(run, stop);
     int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t, &last) : DONE;
     if (taken) go_back(run, t, last);
     if (taken || fault) return taken ? taken : fault;
-    meet(m, until);
+    meet(m, stop);
   }
   return DONE;
 }
@@ -2096,6 +2224,47 @@ ltcgear_whole ltcgear_steps(const ltcgear_run *run) { return run->m.steps; }
 ltcgear_whole ltcgear_switchings(const ltcgear_run *run) { return run->m.events; }
 
 double ltcgear_expected_steps(const ltcgear_run *run, double seconds) { return seconds * run->quickest / REACH; }
+
+/* Statistics of the mesh forces over a span of time: their sums along the motion (sums.c), and their extremes. */
+
+/* Say whether a span lies ahead, and whether its instants can be told apart where that counts. */
+static int fault_of_span(const ltcgear_run *run, double from, double until, int summed) {
+  if (!run->started) return NOT_STARTED;
+  if (!isfinite(from) || !isfinite(until)) return NOT_A_NUMBER;
+  const double least = summed == TAPERED ? PARTS * DBL_EPSILON * larger(fabs(from), fabs(until)) : 0;
+  return from >= run->m.time && until - from > least ? DONE : NOT_AHEAD;
+}
+
+/* March to the end of a span, and sum up over it. */
+static int sum_up(ltcgear_run *run, double from, double until, int summed) {
+  march *m = &run->m;
+  memset(m->sums, 0, (size_t)(1 + 2 * m->n_forces) * sizeof *m->sums);
+  for (whole i = 0; i < 2 * m->n_forces; ++i) m->steady[i] = NAN;
+  m->span_from = from, m->span_to = until, m->summed = summed;
+  int fault = go_on(run, until, 0);
+  m->span_from = INFINITY, m->summed = NONE;
+  return fault;
+}
+
+static int measure(ltcgear_run *run, double from, double until, int summed, ltcgear_statistics *of) {
+  const march *m = &run->m;
+  int fault = fault_of_span(run, from, until, summed);
+  if (!fault) fault = sum_up(run, from, until, summed);
+  for (whole i = 0; !fault && i < m->n_forces; ++i) {
+    of[i].mean = m->sums[1 + i] / m->sums[0];
+    of[i].rms = sqrt(larger(0.0, m->sums[1 + m->n_forces + i] / m->sums[0]));
+    of[i].least = m->steady[i] + 0.0, of[i].most = m->steady[m->n_forces + i] + 0.0; /* no -0 */
+  }
+  return fault;
+}
+
+int ltcgear_measure(ltcgear_run *run, double until, ltcgear_statistics *of) {
+  return measure(run, run->m.time, until, ALIKE, of);
+}
+
+int ltcgear_measure_steady(ltcgear_run *run, double from, double until, ltcgear_statistics *of) {
+  return measure(run, from, until, TAPERED, of);
+}
 
 /* For integrators of other people: rates with everything held that would bend or jump, indicators that tell when that is
  * no longer right, and the events at which it changes. Both ways over a border it is passed a little late, by a margin in
