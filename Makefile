@@ -6,7 +6,7 @@ PYTHON ?= python3
 export OPENBLAS_NUM_THREADS ?= 1
 BIN := .venv/bin
 
-.PHONY: rig paper test lint regenerate docs site clean
+.PHONY: rig paper test arithmetic lint regenerate docs site clean
 
 rig: .venv/rig
 	$(BIN)/ltcgear generate rig-2mw
@@ -18,6 +18,10 @@ paper: .venv/rig
 
 test: .venv/test
 	$(BIN)/python -m pytest -q --numprocesses auto --dist loadfile
+
+# Sensitive tests under other instructions and libraries' variants; writes the table of docs/arithmetic.md.
+arithmetic: .venv/test
+	$(BIN)/python -m benchmarks.arithmetic
 
 lint: .venv/test
 	$(BIN)/ruff check .

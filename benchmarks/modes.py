@@ -89,8 +89,8 @@ def list_table(modes: list[Mode]) -> str:
 
 
 def _largest(shares: dict[str, float]) -> str:
-    """Write the two largest shares."""
-    return ", ".join(f"{name} {share:.0%}" for name, share in list(shares.items())[:2])
+    """Write the two largest shares; what is less than a percent is left out."""
+    return ", ".join(f"{name} {share:.0%}" for name, share in list(shares.items())[:2] if share > 0.01)
 
 
 def lines(scene: Scene) -> dict[float, tuple[str, list[str]]]:

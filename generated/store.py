@@ -4,6 +4,7 @@ import contextlib
 import fcntl
 import hashlib
 import os
+import shlex
 import shutil
 import subprocess
 import tempfile
@@ -23,6 +24,8 @@ FLAGS = (
     "-fno-math-errno", "-Wall", "-Werror",
 )  # fmt: skip
 """errno, and calls through tables between a library's own functions, only cost time."""
+MORE_FLAGS = "LTCGEAR_CFLAGS"
+"""Environment variable with flags that come after these, and win."""
 LIBRARIES = ("-lm",)
 PAUSE = 0.01
 SEAL = hashlib.sha256().digest_size
@@ -215,6 +218,26 @@ def compiler() -> Compiler | None:
     return Compiler(path, version)
 
 
+def more_flags() -> tuple[str, ...]:
+    """Return the flags of the environment variable LTCGEAR_CFLAGS, split as a shell does.
+
+    Raises
+    ------
+    CompileError
+        If a quote is not closed.
+    """
+    given = os.environ.get(MORE_FLAGS, "")
+    try:
+        return tuple(shlex.split(given))
+    except ValueError as error:
+        raise CompileError(f"{MORE_FLAGS} = {given}: {error}; correct it or unset it") from error
+
+
+def flags() -> tuple[str, ...]:
+    """Return the flags by which libraries are compiled."""
+    return (*FLAGS, *more_flags())
+
+
 @cache
 def processor() -> str:
     """Return what tells processors apart for -march=native."""
@@ -235,7 +258,7 @@ def library(c: str, with_compiler: Compiler) -> Path:
     CompileError
         If the compiler refuses it; the message names the log that was kept. Or if the store cannot be written.
     """
-    command = [with_compiler.path, *FLAGS]
+    command = [with_compiler.path, *flags()]
     key = digest([c, with_compiler.path, with_compiler.version, *command, *LIBRARIES, processor()])
     folder = root() / "libraries"
     target = folder / f"{key}.so"
@@ -260,7 +283,8 @@ def _compile(command: list[str], c: str, target: Path) -> None:
         if run.returncode != 0:
             log = target.with_suffix(".log")
             log.write_text(f"{' '.join(run.args)}\n{run.stdout}{run.stderr}", encoding="utf-8")
-            raise CompileError(f"{command[0]} refused the generated C (exit code {run.returncode}); log: {log}")
+            cause = f" with {MORE_FLAGS} = {' '.join(more_flags())}" if more_flags() else ""
+            raise CompileError(f"{command[0]} refused the generated C{cause} (exit code {run.returncode}); log: {log}")
         _seal(built)
         built.replace(target)
 

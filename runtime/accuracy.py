@@ -1,16 +1,22 @@
-"""Achieved accuracy of mesh forces: the same window at the tolerance and at a tenth of it."""
+"""Achieved accuracy of mesh forces and of their statistics: the same window at the tolerance and at a tenth of it."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .batch import over_time
+from .band import passing_speed
+from .dataset import make_dataset
 from .equilibrium import Equilibrium
-from .integration import Told, Trajectory, integrate
+from .integration import Integration, Told
 from .library import Library
+from .reading import Reader, Rows, join_rows, motion_statistics
 from .signals import Pairs
+from .statistics import mesh_statistics
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Vector = NDArray[np.float64]
 Signal = Vector | NDArray[np.complex128]
@@ -25,6 +31,8 @@ PARTED = 0.3
 STILL = 1e-6
 """Vibration over the mean below which a force stands still."""
 FINER = 0.1
+TOLD = ("mean", "min", "max", "rms", "load_factor")
+"""Statistics of a mesh force that a run tells."""
 
 
 def estimate_accuracy(
@@ -44,37 +52,71 @@ def estimate_accuracy(
     -------
     dict
         ``window_s`` and ``rtol``; ``meshes``, by name the root mean square and the peak of the difference over
-        the vibration (its standard deviation) and over the mean, None where there is nothing to refer to; ``worst``,
-        the mesh with the largest; ``reason``, why there are no numbers, None if there are.
+        the vibration (its standard deviation) and over the mean, None where there is nothing to refer to, and for each
+        of ``TOLD`` the change of that statistic of the window's second half over its size; ``worst``, the mesh with the
+        largest; ``reason``, why there are no numbers, None if there are.
     """
     window = min(round(t_end * rate), WINDOW) / rate
     found = {"window_s": window, "rtol": [rtol, FINER * rtol], "meshes": {}, "worst": None, "reason": None}
     runs = []
     for tolerance in (rtol, FINER * rtol):
-        path = integrate(
-            library, p, at, t_end=window, rate=rate, method=method, rtol=tolerance, told=told, tables=tables
-        )
-        if path.status != "done":
-            return found | {"reason": path.status}
-        runs.append(path)
-    names, forces = _forces(library, p, runs)
-    if not names:
+        options: dict[str, Any] = {"t_end": window, "rate": rate, "method": method, "rtol": tolerance, "tables": tables}
+        run = _follow(library, p, at, options, told)
+        if isinstance(run, str):
+            return found | {"reason": run}
+        runs.append(run)
+    if "mesh_force" not in runs[0]:
         return found | {"reason": "the model has no mesh"}
-    together = (runs[0].levels == runs[1].levels).all(axis=1)
+    names = [str(name) for name in runs[0]["mesh"].values]
+    forces = np.array([run["mesh_force"].values for run in runs])
+    together = _alike(*runs)
     reason = tell_parting(forces, together, window)
     if reason:
         return found | {"reason": reason}
-    meshes = {name: compare_signals(*forces[:, together, i]) for i, name in enumerate(names)}
+    changes = compare_statistics(*(mesh_statistics(run, run["statistics"].attrs["from_s"]) for run in runs))
+    meshes = {name: compare_signals(*forces[:, together, i]) | changes[name] for i, name in enumerate(names)}
     worst = max(meshes, key=lambda name: meshes[name]["rms_over_vibration"] or 0.0)
     return found | {"meshes": meshes, "worst": worst}
 
 
-def _forces(library: Library, p: Vector, runs: list[Trajectory]) -> tuple[list[str], Vector]:
-    """Return the names of the meshes and their forces [N], shape (runs, times, meshes)."""
-    reports = library.manifest.reports
-    rows = [i for i, report in enumerate(reports) if report.quantity == "mesh_force"]
-    outputs = [over_time(library, "outputs", run.x, run.s, p)[:, rows] for run in runs]
-    return [reports[i].item for i in rows], np.array(outputs)
+def _follow(
+    library: Library, p: Vector, at: Equilibrium, options: dict[str, Any], told: Told
+) -> "xr.Dataset | str":  # fmt: skip
+    """Return a run's forces of the instant, levels and statistics; the reason where it did not reach its end."""
+    rate, t_end = options["rate"], options["t_end"]
+    reader, rows = Reader(library, p, rate, t_end, raw=True), list[Rows]()
+    integration = Integration(library, p, at, passing=passing_speed(rate, raw=True), **options)
+    outcome = integration.proceed(lambda block, points: rows.append(reader.read(block, points)), told)
+    if outcome.status != "done":
+        return outcome.status
+    return make_dataset(library, p, join_rows([*rows, reader.finish()]), motion_statistics(reader, outcome))
+
+
+def _alike(one: "xr.Dataset", two: "xr.Dataset") -> NDArray[np.bool_]:
+    """Return at which samples all meshes have the same level in both runs: beside a jump a shift is no error."""
+    if "mesh_level" not in one:
+        return np.ones(one.sizes["time"], dtype=np.bool_)
+    return np.asarray((one["mesh_level"].values == two["mesh_level"].values).all(axis=1))
+
+
+def compare_statistics(
+    coarse: Mapping[str, Mapping[str, float]], fine: Mapping[str, Mapping[str, float]]
+) -> dict[str, dict[str, float | None]]:
+    """Return by mesh how far the statistics that are told are from those of a finer run, over their size; None at zero.
+
+    Parameters
+    ----------
+    coarse, fine
+        See ``statistics.mesh_statistics``.
+    """
+    found: dict[str, dict[str, float | None]] = {}
+    for mesh, true in fine.items():
+        pairs = {name: (coarse[mesh][name], true[name]) for name in TOLD}
+        found[mesh] = {
+            name: abs(a - b) / abs(b) if np.isfinite([a, b]).all() and b != 0 else None
+            for name, (a, b) in pairs.items()
+        }
+    return found
 
 
 def compare_signals(coarse: Signal, fine: Signal) -> dict[str, float | None]:
@@ -97,7 +139,7 @@ def compare_signals(coarse: Signal, fine: Signal) -> dict[str, float | None]:
     }
 
 
-def tell_parting(forces: Vector, together: Vector, window: float) -> str | None:
+def tell_parting(forces: Vector, together: NDArray[np.bool_], window: float) -> str | None:
     """Say that two runs part from each other, so that no tolerance gives the same motion for long; None if not."""
     pieces = np.array_split(np.arange(forces.shape[1]), PARTS)
     size = np.maximum(forces[1].std(axis=0), STILL * np.abs(forces[1]).mean(axis=0))

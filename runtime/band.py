@@ -6,7 +6,6 @@ nothing folds back, whatever the rate. Its response is that of a Kaiser window's
 Schafer, Discrete-Time Signal Processing, section 7.5.3), symmetric in time, so that phases stay.
 """
 
-import ctypes
 from functools import cache
 from typing import Any
 
@@ -61,6 +60,11 @@ def response(frequency: Vector, rate: float) -> Vector:
     return np.asarray((np.cos(turned) * table[:-1]).sum(axis=(-1, -2)) / table[:-1].sum())
 
 
+def passing_speed(rate: float, raw: bool) -> float:
+    """Return how fast the filter itself varies [rad/s], for the points at which the motion is read; 0 without one."""
+    return 0.0 if raw else np.pi * rate
+
+
 class BandFilter:
     """The filter at work: takes outputs at points of a motion, and gives them at equal times.
 
@@ -110,6 +114,7 @@ class BandFilter:
         near = (self.at > end - REACH) & (self.at <= end)
         mirrored = (2 * values - self.last[near])[::-1].copy()
         self._add((2 * end - self.at[near])[::-1].copy(), self.share[near][::-1].copy(), mirrored)
+        self._make_rows(end + 1)
         rows = self._hand_out(end + 1)
         if len(rows):
             rows[-1] = self.start + values
@@ -126,16 +131,21 @@ class BandFilter:
 
     def _add(self, at: Vector, share: Vector, values: Vector) -> None:
         """Add points to all rows that they reach."""
-        missing = int(np.ceil(at[-1])) + REACH + 1 - self.first - len(self.rows) if len(at) else 0
+        if not len(at):
+            return
+        self._make_rows(int(np.ceil(at[-1])) + REACH + 1)
+        given = [np.ascontiguousarray(array) for array in (at, share, values)]
+        engine().ltcgear_filter(
+            len(at), self.rows.shape[1], REACH, FINE, self.table.ctypes.data, *(a.ctypes.data for a in given),
+            self.first, self.rows.ctypes.data, self.weights.ctypes.data,
+        )  # fmt: skip
+
+    def _make_rows(self, end: int) -> None:
+        """Let there be all rows before a number."""
+        missing = end - self.first - len(self.rows)
         if missing > 0:
             self.rows = np.concatenate([self.rows, np.zeros((missing, self.rows.shape[1]))])
             self.weights = np.concatenate([self.weights, np.zeros(missing)])
-        given = (np.ascontiguousarray(array) for array in (at, share, values))
-        places = [array.ctypes.data_as(ctypes.c_void_p) for array in given]
-        engine().ltcgear_filter(
-            len(at), self.rows.shape[1], REACH, FINE, self.table.ctypes.data, *places, self.first,
-            self.rows.ctypes.data, self.weights.ctypes.data,
-        )  # fmt: skip
 
     def _hand_out(self, ready: int) -> Vector:
         """Return the rows before a number, and forget them."""

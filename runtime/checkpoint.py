@@ -4,6 +4,7 @@ import json
 import sys
 from collections.abc import Mapping
 from importlib.metadata import version
+from math import isclose
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -16,6 +17,8 @@ from .march import Snapshot
 from .signals import Pairs
 
 AGAIN = "leave out --resume to begin anew"
+ROUNDED = 1e-13
+"""Relative difference of parameters that is rounding: they follow from a scene's numbers by libraries."""
 SHOWN = 3
 """Differences that a refusal tells."""
 
@@ -28,7 +31,7 @@ def checkpoint_of(target: Path) -> Path:
 def describe_run(
     library: Library, values: Mapping[str, float], tables: Mapping[str, Pairs], settings: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return what makes a run what it is; two runs whose descriptions are equal are equal to the last bit.
+    """Return what makes a run what it is; two whose descriptions are equal are equal, on one machine to the last bit.
 
     Parameters
     ----------
@@ -98,9 +101,16 @@ def read_checkpoint(target: Path, description: Mapping[str, Any]) -> Snapshot:
 def tell_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
     """Say what differs between a description that was kept and one at hand; nothing where they are equal."""
     here = json.loads(json.dumps(here))
-    names = [name for name in {**here, **there} if here.get(name) != there.get(name)]
+    names = [name for name in {**here, **there} if not _equal(name, here.get(name), there.get(name))]
     told = [_difference(name, there.get(name), here.get(name)) for name in names[:SHOWN]]
     return "; ".join(told) + (f" and {len(names) - SHOWN} more" if len(names) > SHOWN else "")
+
+
+def _equal(name: str, one: object, two: object) -> bool:
+    """Tell whether two entries are equal; parameters, which another processor may round otherwise, but for rounding."""
+    if name.startswith("parameter ") and isinstance(one, float) and isinstance(two, float):
+        return isclose(one, two, rel_tol=ROUNDED)
+    return one == two
 
 
 def _difference(name: str, there: Any, here: Any) -> str:  # noqa: ANN401

@@ -90,7 +90,7 @@ class Clocks:
         Returns
         -------
         numpy.ndarray
-            Shape (m, n_y). Mesh phases lack the cycles that the turns took off, see `unwound`.
+            Shape (m, n_y). Phases of meshes lack the cycles that the turns took off, see `unwound`.
         """
         x, cuts = x.copy(), np.flatnonzero(np.diff(turns)) + 1
         if self.angle is not None:
@@ -102,7 +102,7 @@ class Clocks:
         return np.concatenate(found)
 
     def unwound(self, mesh: str, turns: Whole) -> Vector:
-        """Return what a mesh's phase [cycles] lacks after some turns, shape (m,)."""
+        """Return what a mesh's phases [cycles] lack after some turns, shape (m,)."""
         different, place = np.unique(turns, return_inverse=True)
         lacking = np.array([self.cycles([mesh], int(each))[0] for each in different], dtype=np.float64)
         return np.asarray(lacking[place])

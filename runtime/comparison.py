@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .analysis.lines import find_clues
+from .rounding import without_rounding
 from .spectra import Line, amplitude_spectrum, name_line, planar_spectrum, strongest_lines
 from .statistics import (
     group_of,
@@ -34,7 +35,6 @@ LIST_LIMIT = 700.0
 LIST_LENGTH = 8
 SEPARATION = 5.0  # [Hz]
 NAMING = 0.5  # [Hz]
-NOISE = 1e-6  # [m/s^2] or [N]: below, a line is rounding
 _SPEED = 30.0 / math.pi  # [r/min] per [rad/s]
 
 _NOTES_7 = (
@@ -94,7 +94,7 @@ def compare(dataset: xr.Dataset, start_s: float | None = None) -> dict[str, Tabl
         ``"table7"`` (speeds and mesh frequencies), ``"table8"`` (acceleration
         lines) and ``"table9"`` (mesh forces and load factors).
     """
-    start = steady_start(dataset) if start_s is None else start_s
+    dataset, start = without_rounding(dataset), steady_start(dataset) if start_s is None else start_s
     return {
         "table7": _table7(dataset, start),
         "table8": _table8(dataset, start),
@@ -234,8 +234,7 @@ def named_lines(
     below = frequency <= limit_hz
     lines = strongest_lines(frequency[below], amplitude[below], count, max(SEPARATION, 2.0 * resolution))
     tolerance = max(resolution, NAMING)
-    strong = [line for line in lines if line.amplitude > NOISE]
-    return [(line, name_line(line.frequency_hz, meshes, tolerance, rotations)) for line in strong]
+    return [(line, name_line(line.frequency_hz, meshes, tolerance, rotations)) for line in lines]
 
 
 def _table9(dataset: xr.Dataset, start: float) -> Table:

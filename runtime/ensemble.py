@@ -4,6 +4,7 @@ Threads share the compiled C, which needs no interpreter. Only the calling threa
 concludes them, while others follow motions.
 """
 
+import math
 import os
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -11,7 +12,6 @@ from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import asdict
 from difflib import get_close_matches
 from functools import partial
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -127,7 +127,7 @@ def _faults(library: Library, values: Mapping[str, float]) -> Iterator[str]:
         near = get_close_matches(name, names, 1)
         yield f"{name}: the model has no such parameter; " + (f'did you mean "{near[0]}"?' if near else "leave it out")
     for name in sorted(names.keys() & values.keys()):
-        if not (isinstance(values[name], int | float | np.number) and isfinite(values[name])):
+        if not (isinstance(values[name], int | float | np.number) and math.isfinite(values[name])):
             yield f"{name} = {values[name]!r}: must be a finite number [{names[name] or '1'}]"
 
 
@@ -213,8 +213,8 @@ class _Ensemble:
     def _nothing(self, k: int, error: LtcgearError) -> tuple[Any, dict[str, Any]]:
         """Return data and summary of a run that could not begin."""
         options = self.options
-        choice, sampling = Choice(options["method"], None), Rate(options["rate"], None)
-        settings = list_settings(self.library, choice, options["rtol"], sampling, True)
+        choice, sampling = Choice(options["method"], None), Rate(options["rate"] or math.nan, None)
+        settings = list_settings(self.library, choice, options["rtol"], sampling, options["raw"])
         counts = asdict(Counts()) | {"expected_events": 0}
         summary = settings | {"status": str(error), "simulated_s": 0.0, "counts": counts, "forces": {}, "seconds": {}}
         return make_dataset(self.library, self.vectors[k], no_rows(self.library)), summary | {"warnings": []}

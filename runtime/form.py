@@ -87,7 +87,7 @@ def _variables(dataset: "xr.Dataset") -> Iterator[str]:
         if x in dataset and (y not in dataset or dataset[x].dims != dataset[y].dims):
             yield f"{y} missing"
     for name, data in dataset.data_vars.items():
-        dimensions = 1 if name in FIXED or name in ALONE else 2
+        dimensions = 1 if (name in FIXED and name != "statistics") or name in ALONE else 2
         leading = data.dims[:1] == ("time",)
         if name in {*LONG_NAMES, *FIXED, "state"} and (data.ndim != dimensions or leading == (name in FIXED)):
             yield f"{name} has dimensions {', '.join(map(str, data.dims)) or 'none'}"

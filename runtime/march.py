@@ -22,7 +22,7 @@ from .kernel import Kernel
 from .library import Library
 from .native import FAULTS, FINE, NAMES, STAGES, STOPPED, Native
 from .nodes import Chebyshev, Nodes, Uniform
-from .quadrature import gauss_rules
+from .quadrature import MOST, lobatto_rules
 from .regimes import Regimes
 from .scaling import fastest, vibration_scale
 from .signals import Signals
@@ -149,17 +149,17 @@ class March:
         state.rtol, state.unresolved = self.rtol, max(UNRESOLVED.get(method, COARSE) * self.rtol, FINEST)
         state.fresh = 1
         state.n_nodes = len(share("points", self.nodes.points))
-        if passing is not None:
-            self._set_points(quickest, passing)
+        self._set_points(quickest, passing)
 
-    def _set_points(self, quickest: float, passing: float) -> None:
+    def _set_points(self, quickest: float, passing: float | None) -> None:
         """Set the points of arcs: what they shall resolve [rad/s], and the rules that do."""
-        state, share, rules = self.state, self.native.share, gauss_rules()
-        state.turning, state.passing, state.n_gauss = quickest, passing, len(rules.motion)
+        state, share, rules = self.state, self.native.share, lobatto_rules()
+        if passing is not None:
+            state.turning, state.passing, state.most_points = quickest, passing, MOST
+            state.point_room = POINT_ROOM
         for name, values in (("at", rules.at), ("weight", rules.weight), ("motion", rules.motion)):
-            share(f"gauss_{name}", values)
-        share("gauss_filter", rules.filtered)
-        state.point_room = POINT_ROOM
+            share(f"rule_{name}", values)
+        share("rule_filter", rules.filtered)
 
     def _set_levels(self, names: list[str]) -> None:
         """Set the cells of the mesh phases at the start, and what may turn them back."""

@@ -37,11 +37,11 @@ STOPPED = len(FAULTS) - 1
 SHARED = (
     # sizes, places and numbers that stay
     ("fixed", "whole", "n n_levels n_signals n_holds n_nodes n_forces angle speed free held uniform finds_borders"),
-    ("fixed", "whole", "last capacity most_steps n_gauss point_room summed"),
+    ("fixed", "whole", "last capacity most_steps most_points point_room summed"),
     ("fixed", "real", "rtol shortest widest unresolved held_speed held_value end sampling turning passing"),
     ("fixed", "real", "span_from span_to"),
     ("fixed", "reals", "origin scale points last_terms weights fine error slack zeros"),
-    ("fixed", "reals", "gauss_at gauss_weight gauss_motion gauss_filter"),
+    ("fixed", "reals", "rule_at rule_weight rule_motion rule_filter"),
     ("fixed", "wholes", "hold_index"),
     ("fixed", "function", "motion phases borders energy"),
     ("fixed", "advance", "advance"),

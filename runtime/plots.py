@@ -11,6 +11,7 @@ import numpy as np
 from .analysis.lines import find_clues
 from .comparison import PRINTED_FORCE, named_lines, position_spectrum, published
 from .results import written_whole
+from .rounding import without_rounding
 from .statistics import group_of, mesh_frequencies, pressure_angles, steady_start, window
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def paper_figures(dataset: xr.Dataset, directory: str | Path, fmt: str = "png") 
 
 def draw_paper_figures(dataset: xr.Dataset) -> dict[int, Figure]:
     """Draw the counterparts of the paper's Figures 9 to 13, by number; one that the result cannot give is left out."""
-    drawn = {}
+    drawn, dataset = {}, without_rounding(dataset)
     for spectrum in _SPECTRA:
         figure = make_canvas(9.0, 4.6)
         if _draw_spectrum(figure.add_subplot(), dataset, spectrum):

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from .tables import Table as ResultTable
 
 Data = dict[str, Any]
+STATISTICS = ("mean", "rms", "load_factor")
+"""Statistics whose accuracy is told."""
 
 
 def show(as_json: bool, data: Data, for_people: Callable[[Data], None]) -> None:
@@ -302,7 +304,12 @@ def _accuracy(data: Data) -> str:
         f"{numbers[f'rms_over_{size}']} rms and {numbers[f'peak_over_{size}']} peak of the {size}"
         for size in ("vibration", "mean")
     ]
-    return f"mesh forces are off by {', '.join(parts)} ({data['worst']}, the worst; first {data['window_s']:.3g} s)"
+    told = {name: max((mesh[name] or 0.0 for mesh in data["meshes"].values()), default=0.0) for name in STATISTICS}
+    means = ", ".join(f"{name.replace('_', ' ')} {_number(value, '.1e')}" for name, value in told.items())
+    return (
+        f"mesh forces are off by {', '.join(parts)} ({data['worst']}, the worst; first {data['window_s']:.3g} s)\n"
+        f"their statistics, over their size, by at most: {means}"
+    )
 
 
 def costs(data: Data) -> None:

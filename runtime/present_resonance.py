@@ -3,6 +3,7 @@
 from rich.markup import escape
 
 from .present import Data, _console, _table
+from .ties import order_by_size
 
 SHOWN = 20
 """Crossings that are printed; all are in the files."""
@@ -69,5 +70,6 @@ def _amplitude(peak: Data, scale: float) -> str:
 def _answering(data: Data, quantity: str) -> list[Data]:
     """Return the outputs of a quantity that have the highest peaks; those that hardly answer are left out."""
     told = [output for output in data["outputs"] if output["quantity"] == quantity and output["peaks"]]
-    told.sort(key=lambda output: -max(output["amplitude"]))
+    order = order_by_size([max(output["amplitude"]) for output in told], [output["item"] for output in told])
+    told = [told[k] for k in order]
     return [output for output in told[:FEW] if max(output["amplitude"]) > SLIGHT * max(told[0]["amplitude"])]

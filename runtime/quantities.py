@@ -1,10 +1,13 @@
 """Quantities: what is told of meshes, bearings, rotors, ... and what each is called in words."""
 
+PHASES = ("mesh_phase", "gear_phase")
+"""Quantities of a mesh that count tooth pitches without end."""
 LONG_NAMES = {
     "mesh_force": "normal mesh force",
     "mesh_deflection": "mesh deflection along the line of action",
     "mesh_contact": "whether the flanks touch, 0 or 1",
-    "mesh_phase": "mesh phase: teeth of gear 1 past the line of centres",
+    "mesh_phase": "mesh phase, by which the stiffness varies, in tooth pitches",
+    "gear_phase": "phase of gear 1's own motion: teeth past the line of centres",
     "mesh_level": "mesh level, 0 single and 1 double contact",
     "mesh_friction": "tangential mesh force",
     "pressure_angle": "operating pressure angle",

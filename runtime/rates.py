@@ -23,6 +23,8 @@ ROOM = 1.2
 """Band over the highest mode that the band shall hold."""
 FAINT = 0.01
 """Amplitude of a mode over that of the strongest below which it may lie outside of the band."""
+STILL = 1e-6
+"""Amplitude, over that to which tolerances refer, below which nothing is set going."""
 LEAST, MOST = 2**10, 2**18
 """Bounds of rates that are chosen [Hz]; a rate is a power of two."""
 
@@ -49,7 +51,7 @@ def choose_rate(library: Library, at: Equilibrium, p: Vector, tables: Mapping[st
     wanted = max(ROOM * modes, HARMONICS * mesh) / BAND
     power = ceil(log2(max(wanted, 1.0)) - 1e-6)  # a rounding does not double a rate
     rate = float(min(max(2**power, LEAST), MOST))
-    told = f"modes that are set going reach {modes:.4g} Hz, mesh frequencies {mesh:.4g} Hz"
+    told = f"modes reach {modes:.4g} Hz, mesh frequencies {mesh:.4g} Hz"
     return Rate(rate, told if wanted <= rate * 1.001 else f"{told}, which no rate up to {MOST} Hz holds")
 
 
@@ -77,9 +79,10 @@ def find_rate(
 
 
 def _fastest_mode(library: Library, at: Equilibrium, p: Vector) -> float:
-    """Return the highest frequency [Hz] of the modes that swing and are set going; 0 where there are none."""
+    """Return the highest frequency [Hz] of the modes that are set going, of all that swing where none is; 0 without."""
     values, amplitude = excited_modes(library, at, p, vibration_scale(library, at, p))[:2]
-    swings = (np.abs(values.imag) > np.abs(values.real)) & (amplitude > FAINT * amplitude.max(initial=0.0))
+    most = float(amplitude.max(initial=0.0))
+    swings = (np.abs(values.imag) > np.abs(values.real)) & (amplitude >= (FAINT * most if most > STILL else 0.0))
     return float(np.abs(values.imag[swings]).max(initial=0.0)) / (2 * pi)
 
 

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .averages import Averages
+from .averages import STATISTICS, Averages, Statistics
 from .band import BandFilter
 from .batch import Batch
 from .clocks import Clocks
-from .integration import Trajectory
+from .integration import Outcome, Trajectory
 from .library import Library
 from .march import Snapshot
+from .quantities import PHASES
 from .sampling import Block, Points
 
 Vector = NDArray[np.float64]
@@ -63,7 +64,7 @@ def by_quantity(library: Library) -> dict[str, list[int]]:
 
 
 def outputs_of(library: Library, clocks: Clocks, samples: Block | Points | Trajectory) -> Vector:
-    """Evaluate the outputs at samples, shape (m, n_y); mesh phases count on over all turns."""
+    """Evaluate the outputs at samples, shape (m, n_y); phases count on over all turns."""
     return _outputs(Batch(library, "outputs"), clocks, samples)
 
 
@@ -71,7 +72,7 @@ def _outputs(batch: Batch, clocks: Clocks, samples: Block | Points | Trajectory)
     """Evaluate the outputs by a function that is bound already."""
     values = clocks.outputs(batch, samples.x, samples.s, samples.phi, samples.turns)
     for column, report in enumerate(batch.library.manifest.reports):
-        if report.quantity == "mesh_phase":
+        if report.quantity in PHASES:
             values[:, column] += clocks.unwound(report.item, samples.turns)
     return values
 
@@ -201,6 +202,21 @@ def _first(block: Block) -> Block:
 def _last(block: Block) -> Block:
     """Return the last sample of a block."""
     return Block(**{name: value[-1:] for name, value in vars(block).items()})
+
+
+def motion_statistics(reader: Reader, outcome: Outcome) -> Statistics | None:
+    """Return the statistics of a run that reached its end, extremes of mesh forces at the integrator's own steps.
+
+    None where it did not: its second half, over which they are taken, is not whole.
+    """
+    if outcome.status != "done":
+        return None
+    values, columns = reader.statistics(), by_quantity(reader.batch.library).get("mesh_force", [])
+    low, high = STATISTICS.index("min"), STATISTICS.index("max")
+    if columns:
+        values[low, columns] = np.fmin(values[low, columns], outcome.extremes.steady[0])
+        values[high, columns] = np.fmax(values[high, columns], outcome.extremes.steady[1])
+    return Statistics(values, reader.span)
 
 
 def sampled(library: Library, path: Trajectory, p: Vector) -> Rows:

@@ -11,6 +11,7 @@ from ltcgear.generated.errors import LtcgearError
 
 from .attributes import GOES_ON, UNFINISHED, to_attributes
 from .averages import Statistics
+from .band import passing_speed
 from .checkpoint import checkpoint_of, describe_run, read_checkpoint, write_checkpoint
 from .choice import Choice, choose
 from .dataset import columns_of, make_dataset
@@ -19,7 +20,7 @@ from .integration import Integration, Outcome
 from .library import Library
 from .march import Snapshot
 from .part import Part, part_of
-from .reading import Reader, Rows, no_rows
+from .reading import Reader, Rows, motion_statistics, no_rows
 from .results import check_target
 from .sampling import Block, Points
 from .signals import Pairs
@@ -29,8 +30,7 @@ from .simulation import (
     DEFAULT_RTOL,
     check_options,
     list_settings,
-    motion_statistics,
-    passing_speed,
+    static_strain,
     summarise,
     take_rate,
     tell_forces,
@@ -122,7 +122,9 @@ def record(
         )
         heading = recorder.finish(outcome)
         summary = (
-            about | summarise(library, p, at, outcome, tell_forces(heading)) | {"seconds": seconds | outcome.seconds}
+            about
+            | summarise(library, p, at, outcome, tell_forces(heading, static_strain(library, p, at)))
+            | {"seconds": seconds | outcome.seconds}
         )
         if verify:
             summary |= verified(library, p, at, summary, **options)

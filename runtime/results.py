@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 GROUPS = ("mesh", "pin", "bearing", "coupling", "support", "rotor", "member", "load", "drive")
 """Kinds of items that quantities are given for; each is an attribute of a Result."""
+OWN = ("dataset", "summary", "parameters", "statistics")
+"""What a Result has besides."""
 ANGLE = "angle"
 
 
@@ -120,7 +122,7 @@ class Result:
 
     def __getattr__(self, name: str) -> Group:
         if name not in GROUPS:
-            raise AttributeError(f"a result has no {name!r}; it has dataset, summary, parameters, {', '.join(GROUPS)}")
+            raise AttributeError(f"a result has no {name!r}; it has {', '.join((*OWN, *GROUPS))}")
         if name not in self._groups:
             self._groups[name] = Group(name, self.dataset)
         return self._groups[name]
@@ -133,6 +135,22 @@ class Result:
         """The model's parameters in SI, by name."""
         names, values = self.dataset["parameter"].values, self.dataset["parameter_value"].values
         return dict(zip(map(str, names), values.tolist(), strict=True))
+
+    @property
+    def statistics(self) -> dict[str, dict[str, float]]:
+        """Mean, RMS, standard deviation and extremes of all outputs along the motion, by QUANTITY:ITEM.
+
+        They are those of the second half of the run (see ``averages``), in the outputs' units; none where it did not
+        reach its end.
+        """
+        if "statistics" not in self.dataset:
+            return {}
+        found = self.dataset["statistics"]
+        names, rows = (list(map(str, found[name].values)) for name in ("statistic", "output"))
+        return {
+            row: dict(zip(names, values, strict=True))
+            for row, values in zip(rows, found.values.T.tolist(), strict=True)
+        }
 
     def save(self, path: str | Path) -> None:
         """Write a NetCDF4 file, which ``load`` and plain xarray read."""

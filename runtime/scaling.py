@@ -6,10 +6,11 @@ from numpy.typing import NDArray
 from .equilibrium import Equilibrium, closed, inertias, pulling, state_matrix
 from .kernel import Kernel
 from .library import Library
+from .rounding import LOADED as LOADED
 
 Vector = NDArray[np.float64]
-LOADED, UNLOADED = 1e-9, 1e-6
-"""Strain energy [J] above which a train counts as loaded; energy a freedom that stands for it in one that is not."""
+UNLOADED = 1e-6
+"""Energy a freedom [J] that stands for the strain energy of a train that is not loaded (`LOADED`)."""
 
 
 def vibration_scale(library: Library, at: Equilibrium, p: Vector) -> Vector:

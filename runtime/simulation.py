@@ -1,19 +1,16 @@
 """The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
 
-import math
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .accuracy import estimate_accuracy
 from .attributes import to_attributes
-from .averages import STATISTICS, Statistics
-from .band import BAND
+from .band import BAND, passing_speed
 from .choice import Choice, choose
 from .dataset import make_dataset
 from .energy import energy_residual
@@ -22,8 +19,9 @@ from .integration import Integration, Outcome, check_length
 from .kernel import Kernel
 from .library import Library
 from .rates import Rate, choose_rate
-from .reading import Reader, Rows, by_quantity, join_rows
+from .reading import Reader, Rows, by_quantity, join_rows, motion_statistics
 from .results import Result
+from .rounding import round_statistics
 from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics
@@ -162,7 +160,8 @@ class Run:
         rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
         dataset = make_dataset(self.library, self.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
-        about = summarise(self.library, self.p, self.at, outcome, tell_forces(dataset))
+        forces = tell_forces(dataset, static_strain(self.library, self.p, self.at))
+        about = summarise(self.library, self.p, self.at, outcome, forces)
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
 
@@ -175,31 +174,15 @@ def take_rate(
     return found
 
 
-def passing_speed(rate: float, raw: bool) -> float:
-    """Return how fast the filter itself varies [rad/s], for the points at which the motion is read; 0 without one."""
-    return 0.0 if raw else math.pi * rate
+def tell_forces(dataset: "xr.Dataset", strain: float) -> dict[str, Any]:
+    """Return statistics of the mesh forces along the motion, rounding told as 0; none of a run that did not end.
 
-
-def motion_statistics(reader: Reader, outcome: Outcome) -> Statistics | None:
-    """Return the statistics of a run that reached its end, extremes of mesh forces at the integrator's own steps.
-
-    None where it did not: its second half, over which they are taken, is not whole.
+    ``strain`` is the energy that the loaded equilibrium stores [J].
     """
-    if outcome.status != "done":
-        return None
-    values, columns = reader.statistics(), by_quantity(reader.batch.library).get("mesh_force", [])
-    low, high = STATISTICS.index("min"), STATISTICS.index("max")
-    if columns:
-        values[low, columns] = np.fmin(values[low, columns], outcome.extremes.steady[0])
-        values[high, columns] = np.fmax(values[high, columns], outcome.extremes.steady[1])
-    return Statistics(values, reader.span)
-
-
-def tell_forces(dataset: "xr.Dataset") -> dict[str, Any]:
-    """Return statistics of the mesh forces along the motion; none of a run that did not reach its end."""
     if "mesh_force" not in dataset or "statistics" not in dataset:
         return {}
-    return mesh_statistics(dataset, dataset["statistics"].attrs["from_s"])
+    found = mesh_statistics(dataset, dataset["statistics"].attrs["from_s"])
+    return round_statistics(found, dataset.assign_attrs(static_strain_j=strain))
 
 
 def verified(
@@ -225,11 +208,16 @@ def list_settings(library: Library, choice: Choice, rtol: float, sampling: Rate,
     return told if raw else told | {"band_hz": BAND * sampling.rate}
 
 
+def static_strain(library: Library, p: Vector, at: Equilibrium) -> float:
+    """Return the strain energy of the loaded equilibrium [J]."""
+    return float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+
+
 def summarise(
     library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Return how an integration went, what it is worth, and the forces it found."""
-    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+    strain = static_strain(library, p, at)
     residual = energy_residual(library, p, at, outcome)
     return {
         "status": outcome.status,

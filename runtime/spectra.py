@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import ArrayLike, NDArray
 
 FloatArray = NDArray[np.float64]
+Candidate = tuple[int, float, str]
+"""Order, frequency [Hz] and name of what may explain a line."""
 
-#: Highest orders that still count as an explanation among others; beyond them coincidence rules.
+#: Highest orders that count within the tolerance; beyond them chance finds an order for anything.
 HARMONICS = 25
-#: Share of the tolerance within which any order of a mesh explains what nothing else does, and the widest that this may
-#: be over the mesh frequency: further out chance finds an order for anything.
+#: Share of the tolerance within which orders beyond those count, and the widest that this may be over the mesh
+#: frequency or the turns that are counted.
 CLOSE, SHARP = 1 / 3, 0.05
 CARRIER_ORDERS = 6
-SIDE_ORDERS = 3
+#: Steps of sidebands that count within the tolerance, and those of turns that count more closely: as many as a stage
+#: has planets, as a rule.
+SIDE_ORDERS, FAR_ORDERS = 3, 6
 #: Windows, and to how many bins on either side of a sine each spreads it (half of its main lobe).
 WINDOWS = {"hann": 2, "flattop": 5, "blackmanharris": 4, "boxcar": 1}
 #: Windows as sums of cosines: w_n = a_0 - a_1 cos(2 pi n / N) + a_2 cos(4 pi n / N) - ... They are those of
@@ -198,20 +203,18 @@ def explain_line(
     tolerance_hz: float,
     rotations: Mapping[str, float] | None = None,
     shafts: Mapping[str, float] | None = None,
-    modes: Mapping[str, tuple[float, float]] | None = None,
+    combs: Mapping[str, float] | None = None,
     highest_hz: float = 0.0,
-    rate_hz: float | None = None,
     highest: int = HARMONICS,
 ) -> tuple[str, str]:
-    """Explain a line by the mesh frequencies, rotations and modes that are there.
+    """Explain a line by what turns and meshes.
 
     Harmonics come first (``"3 hsp"``), lowest order preferred; then sidebands of
-    a mesh's harmonic at the distance of a rotation (``"hsp - 1 hsp.carrier"``) or of
+    a mesh's harmonic at the distance of a carrier's turns (``"hsp - 1 hsp.carrier"``) or of
     a slower mesh's (``"hsp + 1 lsp"``, ``"2 psh - 1 hsp"``), lowest sum of orders
-    preferred; then turns of shafts and sidebands at their distance; then harmonics of
-    any order that the spectrum holds (``"46 lsp"``), and those that sampling folds back
-    into it (``"10 psh folded"``); modes last, since what is excited at a harmonic is
-    heard there, not at its own frequency.
+    preferred. More closely there follow harmonics of any order (``"46 lsp"``) and their sidebands at
+    a carrier's turns; turns of carriers and shafts (``"2 psh.input"``) and sidebands at a shaft's distance; all
+    orders of shafts of which a comb of lines is there (``"27 psh.input"``); far sidebands (``"4 psh - 4 lsp"``).
 
     Parameters
     ----------
@@ -222,35 +225,35 @@ def explain_line(
     tolerance_hz
         Largest distance that still counts as a match [Hz]; at least half a bin.
     rotations
-        Frequency of turning members [Hz], by name: a planetary carrier's turns modulate
-        what a sensor in the housing sees.
+        Turns of carriers a second [Hz], by name: they modulate what a sensor in the housing sees.
     shafts
-        Frequency of further turning members [Hz]: eccentric gears show once a turn.
-    modes
-        Eigenfrequency and half of the half-power bandwidth [Hz], by name; a mode that is
-        broader than the tolerance matches as far as its bandwidth goes.
+        Turns of further members a second [Hz]: eccentric gears show once a turn.
+    combs
+        Those of both that have lines at the neighbouring whole orders as well, as a fault that strikes once a turn.
     highest_hz
-        End of the spectrum: harmonics of any order up to it count, of meshes whose orders the
-        tolerance tells apart (`CLOSE`, `SHARP`).
-    rate_hz
-        Sampling rate, where harmonics beyond its half may have folded back.
+        End of the spectrum, up to which orders count.
     highest
         Highest order that is considered, of a harmonic and of either part of a sideband.
 
     Returns
     -------
     kind, name
-        ``harmonic``, ``sideband``, ``shaft`` or ``mode``, and the name; "" twice for a line that nothing explains.
+        ``harmonic``, ``sideband`` or ``shaft``, and the name; "" twice for a line that nothing explains.
     """
     turning = {name: value for name, value in mesh_frequencies.items() if value > 0.0}
     carriers = {name: value for name, value in (rotations or {}).items() if value > 0.0}
     others = {name: value for name, value in (shafts or {}).items() if value > 0.0}
-    close = CLOSE * tolerance_hz
-    tiers = (
-        ("harmonic", tolerance_hz, list(_harmonics(turning, highest))),
-        ("sideband", tolerance_hz, [*_sidebands(turning, carriers, highest), *_sidebands(turning, turning, highest)]),
-        ("shaft", tolerance_hz, [*_turns(others, highest), *_sidebands(turning, others, highest)]),
-        ("harmonic", close, [*_high_harmonics(turning, close, highest_hz), *_folded(turning, rate_hz)]),
+    close, end = CLOSE * tolerance_hz, highest_hz + tolerance_hz if highest_hz else 0.0
+    low, steps = range(1, min(CARRIER_ORDERS, highest) + 1), min(SIDE_ORDERS, highest)
+    sharp, wheels, faults = (_told_apart(of, close) for of in (turning, carriers | others, combs or {}))
+    tiers: tuple[tuple[str, float, Iterable[Candidate]], ...] = (
+        ("harmonic", tolerance_hz, _multiples(turning, highest)),
+        ("sideband", tolerance_hz, _sidebands(turning, [carriers, turning], low, steps)),
+        ("harmonic", close, _multiples(sharp, None, end)),
+        ("sideband", close, _sidebands(sharp, [carriers], None, steps, end)),
+        ("shaft", close, chain(_multiples(carriers | others, steps), _sidebands(turning, [others], low, steps))),
+        ("shaft", close, chain(_sidebands(sharp, [others, faults], None, steps, end), _multiples(faults, None, end))),
+        ("sideband", close, _sidebands(sharp, [sharp, wheels], None, FAR_ORDERS if end else 0, end)),
     )
     for kind, within, candidates in tiers:
         matches = [
@@ -260,8 +263,7 @@ def explain_line(
         ]
         if matches:
             return kind, min(matches)[2]
-    mode = nearest_mode(frequency_hz, tolerance_hz, modes or {})
-    return ("mode", mode) if mode else ("", "")
+    return "", ""
 
 
 def name_line(
@@ -285,48 +287,30 @@ def nearest_mode(frequency_hz: float, tolerance_hz: float, modes: Mapping[str, t
     return min(near)[1] if near else ""
 
 
-def _harmonics(meshes: Mapping[str, float], highest: int) -> Iterator[tuple[int, float, str]]:
-    """Yield order, frequency [Hz] and name of every harmonic considered."""
-    for name, value in meshes.items():
-        for order in range(1, min(HARMONICS, highest) + 1):
+def _multiples(of: Mapping[str, float], highest: int | None, end_hz: float = 0.0) -> Iterator[Candidate]:
+    """Yield the multiples of some frequencies, up to an order or, where that is None, to the end of the spectrum."""
+    for name, value in of.items():
+        for order in range(1, (int(end_hz / value) if highest is None else highest) + 1):
             yield order, order * value, f"{order} {name}"
 
 
-def _high_harmonics(meshes: Mapping[str, float], tolerance: float, highest: float) -> Iterator[tuple[int, float, str]]:
-    """Yield order, frequency [Hz] and name of harmonics beyond `HARMONICS` up to the highest frequency."""
-    for name, value in meshes.items():
-        if tolerance <= SHARP * value:
-            for order in range(HARMONICS + 1, int((highest + tolerance) / value) + 1):
-                yield order, order * value, f"{order} {name}"
-
-
-def _folded(meshes: Mapping[str, float], rate: float | None) -> Iterator[tuple[int, float, str]]:
-    """Yield order, frequency at which it shows [Hz] and name of every harmonic beyond half the sampling rate."""
-    if rate is None:
-        return
-    for order, value, name in _harmonics(meshes, HARMONICS):
-        if value > 0.5 * rate:
-            yield order, abs(value - rate * round(value / rate)), f"{name} folded"
-
-
-def _turns(shafts: Mapping[str, float], highest: int) -> Iterator[tuple[int, float, str]]:
-    """Yield order, frequency [Hz] and name of the turns of shafts and their low harmonics."""
-    for name, value in shafts.items():
-        for order in range(1, min(SIDE_ORDERS, highest) + 1):
-            yield order, order * value, f"{order} {name}"
+def _told_apart(of: Mapping[str, float], close: float) -> dict[str, float]:
+    """Return the frequencies whose multiples a tolerance tells apart, however high the order."""
+    return {name: value for name, value in of.items() if close <= SHARP * value}
 
 
 def _sidebands(
-    meshes: Mapping[str, float], sides: Mapping[str, float], highest: int
-) -> Iterator[tuple[int, float, str]]:
-    """Yield sum of orders, frequency [Hz] and name of every sideband considered."""
+    meshes: Mapping[str, float], sides: Sequence[Mapping[str, float]], orders: range | None, steps: int,
+    end_hz: float = 0.0,
+) -> Iterator[Candidate]:  # fmt: skip
+    """Yield the sidebands of harmonics of some orders, of all up to the end of the spectrum where they are None."""
     for carrier, centre in meshes.items():
-        for side, distance in sides.items():
+        for side, distance in (pair for every in sides for pair in every.items()):
             foreign = "." in side and side.split(".")[0] != carrier  # a carrier turns its own stage's meshes
             if distance >= centre or foreign:
                 continue
-            for order in range(1, min(CARRIER_ORDERS, highest) + 1):
+            for order in range(1, int(end_hz / centre) + 1) if orders is None else orders:
                 middle = carrier if order == 1 else f"{order} {carrier}"
-                for step in range(1, min(SIDE_ORDERS, highest) + 1):
+                for step in range(1, steps + 1):
                     yield order + step, order * centre + step * distance, f"{middle} + {step} {side}"
                     yield order + step, order * centre - step * distance, f"{middle} - {step} {side}"

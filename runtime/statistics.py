@@ -112,8 +112,9 @@ def mesh_statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, 
         If the record ends before `start_s`.
     """
     meshes = [str(mesh) for mesh in dataset["mesh"].values]
-    if are_followed(dataset, start_s):
-        values = dataset["statistics"].sel(output=[f"mesh_force:{mesh}" for mesh in meshes]).values
+    outputs = [f"mesh_force:{mesh}" for mesh in meshes]
+    if are_followed(dataset, start_s) and set(outputs) <= set(dataset.indexes["output"]):
+        values = dataset["statistics"].sel(output=outputs).values
     else:
         part = window(dataset, start_s)
         values = sample_statistics(part["mesh_force"].transpose("time", "mesh").values)

@@ -16,7 +16,7 @@ from .elements import make
 from .joints import Joints, rotate
 from .kinematics import Kinematics
 from .lower import body_function, element_function
-from .model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model
+from .model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model, Phase
 from .profiles import evaluate
 
 QUANTITIES = {
@@ -174,12 +174,21 @@ class _Assembly(Kinematics):
         return value, slope
 
     def mesh_phase_of(self, mesh: str) -> Any:  # noqa: ANN401
-        """Return the phase tau [cycles] of a mesh with an element that follows it."""
+        """Return the phase tau [cycles] of a mesh by the rigid motion."""
         phase = next((phase for phase in self.model.phases if phase.name == mesh), None)
         if phase is None:
             return ca.SX(0)
-        start = self.number[phase.start]
-        return start if phase.rate is None else self.number[phase.rate] * self.phi + start
+        return self._rigid_cycles(phase) + self.number[phase.start]
+
+    def _rigid_cycles(self, phase: Phase) -> Any:  # noqa: ANN401
+        """Return the tooth pitches [cycles] that have gone by in the rigid motion."""
+        if phase.rate is not None:
+            return self.number[phase.rate] * self.phi
+        body = self.bodies[phase.gear]
+        frame = self.model.frames[body.frame]
+        return (
+            self.number[phase.teeth] / (2 * pi) * (self.ratio(body) - (self.number[frame] if frame else 0)) * self.phi
+        )
 
     def mesh_rate_of(self, mesh: str) -> Any:  # noqa: ANN401
         """Return the rate [1/s] of a mesh's phase."""
@@ -190,10 +199,12 @@ class _Assembly(Kinematics):
         """Return a mesh's stiffness and its slope where the phase is that of gear 1's own motion."""
         mesh = instance.name.removesuffix(BACK)
         phase = next(phase for phase in self.model.phases if phase.name == mesh)
-        rigid = self.number[phase.rolled]
-        if self.basis == "frame" and phase.rate is not None:
-            rigid = rigid + self.number[phase.rate] * self.phi
-        return self.profile(mesh, "stiffness", rigid + self.number[instance.bind["z_1"]] / (2 * pi) * rolling)
+        return self.profile(mesh, "stiffness", self._gear_phase(phase, rolling))
+
+    def _gear_phase(self, phase: Phase, rolling: Any) -> Any:  # noqa: ANN401
+        """Return the phase [cycles] of gear 1's own motion from its rolling angle, which inertial axes hold whole."""
+        own = self.number[phase.rolled] + self.number[phase.teeth] / (2 * pi) * rolling
+        return self._rigid_cycles(phase) + own if self.basis == "frame" else own
 
     def equations(self) -> Equations:
         """Sum everything up."""
@@ -268,7 +279,7 @@ class _Assembly(Kinematics):
         self, results: list[tuple[Instance, dict[str, Any]]], forces: dict[str, ca.SX]
     ) -> Iterator[tuple[Report, Any]]:
         """List the outputs: of elements, of mesh phases, of bodies."""
-        rolling: dict[str, Any] = {}
+        rolling: dict[str, tuple[Any, bool]] = {}
         for instance, result in results:
             outputs = make(instance.element).outputs
             if "force_x" in outputs:
@@ -281,21 +292,19 @@ class _Assembly(Kinematics):
                     quantity, dimension = QUANTITIES[instance.group, name]
                     label = instance.name.removeprefix("loads.")
                     yield Report(quantity, label, output.unit, dimension), result[f"out_{name}"]
-            rolling[instance.name] = result.get("out_rolling", rolling.get(instance.name))
-        for item in self.model.rollings:
-            phase = self._mesh_phase(item.gear, item.mesh, rolling[item.mesh])
-            yield (
-                Report("mesh_phase", item.mesh, "", "mesh"),
-                (self.number[item.teeth] / (2 * pi) * phase + self.number[item.start]),
-            )
+            if "out_rolling" in result:
+                rolling[instance.name] = result["out_rolling"], SLOPE in instance.bind.values()
+        for phase in self.model.phases:
+            if phase.name in rolling:
+                yield from self._phase_reports(phase, *rolling[phase.name])
         for body in self.model.bodies:
             yield from self._body_reports(body, forces[body.name])
 
-    def _mesh_phase(self, gear: str, mesh: str, rolling: Any) -> Any:  # noqa: ANN401
-        """Return the angle of gear 1 against the line of centres, its rigid part included."""
-        body = self.bodies[gear]
-        frame = self.model.frames[body.frame]
-        return (self.ratio(body) - (self.number[frame] if frame else 0)) * self.phi + rolling
+    def _phase_reports(self, phase: Phase, rolling: Any, by_gear: bool) -> Iterator[tuple[Report, Any]]:  # noqa: ANN401
+        """List the phase by which a mesh's stiffness varies, and that of gear 1's own motion."""
+        own = self._gear_phase(phase, rolling)
+        yield Report("mesh_phase", phase.name, "", "mesh"), own if by_gear else self.mesh_phase_of(phase.name)
+        yield Report("gear_phase", phase.name, "", "mesh"), own
 
     def _body_reports(self, body: Body, force: ca.SX) -> Iterator[tuple[Report, Any]]:
         """List what a body shows: acceleration and displacement, speed and twist, the torque that drives it."""

@@ -103,15 +103,31 @@ class Level:
 
 @dataclass(frozen=True)
 class Phase:
-    """The phase tau = rate * phi + start [cycles] of a mesh with an element that follows it; no rate at rest.
+    """The phase tau = rate * phi + start [cycles] of a mesh by the rigid motion.
 
-    ``rolled`` is the start in its place where the phase is that of gear 1's own motion.
+    Gear 1's own phase is rate * phi + ``rolled`` + ``teeth`` / 2 pi times its rolling angle against the rigid motion.
+
+    Attributes
+    ----------
+    name
+        The mesh.
+    teeth, gear
+        Parameter, teeth of gear 1 in the sense in which the phase counts up, and this body.
+    rate
+        Parameter; None at rest, and where nothing but outputs needs it: it then follows from teeth and speed ratios.
+    start, rolled
+        Parameters.
+    followed
+        Whether stiffness, errors or friction vary with the one phase or the other.
     """
 
     name: str
+    teeth: str
+    gear: str
     rate: str | None
     start: str
     rolled: str
+    followed: bool
 
 
 @dataclass(frozen=True)
@@ -129,16 +145,6 @@ class Profile:
 
 
 @dataclass(frozen=True)
-class Rolling:
-    """How a mesh's phase follows from its first gear: teeth / 2 pi, and its motion against the frame."""
-
-    mesh: str
-    teeth: str
-    gear: str
-    start: str
-
-
-@dataclass(frozen=True)
 class Model:
     """A gearbox ready to be derived; see the module's head."""
 
@@ -151,7 +157,6 @@ class Model:
     levels: tuple[Level, ...]
     phases: tuple[Phase, ...]
     profiles: tuple[Profile, ...]
-    rollings: tuple[Rolling, ...]
     parameters: tuple[Parameter, ...]
     effects: dict[str, str]
     statics: dict[str, float]

@@ -5,6 +5,7 @@ N m is not N m/rad; and nothing in it can be anything but a unit.
 """
 
 import re
+from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING, cast
 
@@ -51,11 +52,11 @@ EXAMPLES = {
 
 
 @cache
-def registry() -> "pint.UnitRegistry[float]":
-    """Return the unit registry, made on first use."""
+def registry() -> "pint.UnitRegistry[Fraction]":
+    """Return the unit registry, made on first use; it counts in fractions, so that no power of a unit is rounded."""
     import pint
 
-    units: pint.UnitRegistry[float] = pint.UnitRegistry(None)
+    units: pint.UnitRegistry[Fraction] = pint.UnitRegistry(None, non_int_type=Fraction)
     for line in DEFINITIONS.strip().splitlines():
         units.define(line)
     return units
@@ -111,7 +112,7 @@ def _factor(name: str, unit: str) -> float:
     wanted = units.parse_units(unit.replace("^", "**"))
     if given.dimensionality != wanted.dimensionality:
         raise ValueError(f"has the wrong dimension, a quantity in {unit} is due")
-    return units.Quantity(1.0, given).to(wanted).magnitude
+    return float(units.Quantity(Fraction(1), given).to(wanted).magnitude)
 
 
 def dimension(unit: str) -> dict[str, float]:

@@ -1,7 +1,10 @@
 """What all tests share: the command line, and a store of their own, so that nothing touches the user's cache."""
 
 import json
+import os
+import signal
 import sys
+from pathlib import Path
 
 import pytest
 from ltcgear.runtime import cli
@@ -9,12 +12,26 @@ from ltcgear.runtime import cli
 
 @pytest.fixture(autouse=True, scope="session")
 def store(tmp_path_factory):
-    """Point LTCGEAR_CACHE to a private folder; one for the session, so that each model is compiled once."""
-    folder = tmp_path_factory.mktemp("ltcgear-cache")
+    """Point LTCGEAR_CACHE to a private folder; one for all workers of a session, so that each model is compiled once.
+
+    LTCGEAR_TEST_STORE names one that sessions under other arithmetic share.
+    """
+    shared, base = os.environ.get("LTCGEAR_TEST_STORE"), tmp_path_factory.getbasetemp()
+    private = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "ltcgear-cache"
+    folder = Path(shared) if shared else private
+    folder.mkdir(mode=0o700, exist_ok=True)
     folder.chmod(0o700)
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LTCGEAR_CACHE", str(folder))
         yield folder
+
+
+@pytest.fixture(autouse=True, scope="session")
+def interrupts():
+    """Let Ctrl-C stop the tests and the programs that they start, also where a shell has it ignored (nohup, or `&`)."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture

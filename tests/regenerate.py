@@ -37,9 +37,9 @@ def texts(scene: str) -> dict[str, str]:
     files = store.files(artifact)
     # CasADi's virtual machine rather than a compiler's code for this processor.
     bare = Library(artifact.manifest, None, {}, artifact)
-    library = replace(bare, functions=bare.graphs)
-    rate = find_rate(library, model.values(), model.tables, settings.simulation.rate).rate
-    data = write_data(library, settings.name, Run(model.values(), model.tables, settings.simulation.t_end, rate))
+    bare = replace(bare, functions=bare.graphs)
+    rate = find_rate(bare, model.values(), model.tables, settings.simulation.rate).rate
+    data = write_data(bare, settings.name, Run(model.values(), model.tables, settings.simulation.t_end, rate))
     return {name: files[name] for name in ("model.c", "manifest.json")} | {"data.c": data}
 
 

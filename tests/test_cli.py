@@ -450,9 +450,8 @@ def test_the_installed_program(arguments, code):
 
 
 STARTED = """
-import signal, sys
+import sys
 from ltcgear.runtime import cli
-signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job would ignore it
 sys.argv = ["ltcgear", *sys.argv[1:]]
 module = sys.modules["ltcgear.runtime.cli.app"]
 app = module.app

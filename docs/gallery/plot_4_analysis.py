@@ -50,7 +50,7 @@ assert abs(np.sum(share.mean) - 4) < 1e-9
 
 force = result.mesh["lsp.sun_planet.1"].force.sel(time=slice(0.5, None))
 spectrum = analysis.find_spectrum(force, window="flattop")
-lines = analysis.name_lines(spectrum, analysis.find_clues(result.dataset))
+lines = analysis.name_lines(spectrum, analysis.find_clues(result.dataset), signals=(force,))
 for line in lines[:5]:
     print(f"{line.place:8.1f} Hz  {line.amplitude:8.0f} N  {line.name}")
 figure = analysis.draw_spectrum(spectrum, lines)

@@ -43,7 +43,7 @@ typedef struct {
   whole last;
   whole capacity;
   whole most_steps;
-  whole n_gauss;
+  whole most_points;
   whole point_room;
   whole summed;
   double rtol;
@@ -67,10 +67,10 @@ typedef struct {
   double *error;
   double *slack;
   double *zeros;
-  double *gauss_at;
-  double *gauss_weight;
-  double *gauss_motion;
-  double *gauss_filter;
+  double *rule_at;
+  double *rule_weight;
+  double *rule_motion;
+  double *rule_filter;
   whole *hold_index;
   function motion;
   function phases;
@@ -874,7 +874,7 @@ static int advance_erk(march *m, double duration) {
   return DONE;
 }
 
-/* Points of an arc at which its outputs are read, with the weights of Gauss's rule: sums over them are integrals over
+/* Points of an arc at which its outputs are read, with the weights of Lobatto's rule: sums over them are integrals over
  * time of the motion itself, jumps included, whatever the sampling rate. */
 
 /* Write the state at a part of an arc, and note its time and weight. */
@@ -900,21 +900,21 @@ static int take_nodes(march *m, double start) {
   return DONE;
 }
 
-/* Take the points of an arc. Each panel of it has the fewest that resolve both the motion, to a millionth, and the motion
- * under the filter, to a thousandth: ``gauss_motion`` and ``gauss_filter`` are the largest angles by which the fastest of
- * both may turn in half a panel, by number of points. */
+/* Take the points of an arc, its ends included. Each panel of it has the fewest that resolve both the motion, to a
+ * millionth, and the motion under the filter, to a thousandth: ``rule_motion`` and ``rule_filter`` are the largest angles
+ * by which the fastest of both may turn in half a panel, by number of points from two on. */
 static int take_points(march *m, double start) {
-  if (!m->n_gauss) return DONE;
+  const whole most = m->most_points;
+  if (!most) return DONE;
   if (m->uniform) return take_nodes(m, start);
-  const whole most = m->n_gauss - 1;
   double motion = smaller(m->turning * m->reached, (double)m->n_nodes) / 2, filter = motion + m->passing * m->reached / 2;
-  double panels = ceil(larger(1.0, larger(motion / m->gauss_motion[most], filter / m->gauss_filter[most])));
-  whole count = 1;
-  while (count <= most && (motion > panels * m->gauss_motion[count - 1] || filter > panels * m->gauss_filter[count - 1])) ++count;
-  const double *at = m->gauss_at + count * (count - 1) / 2, *weight = m->gauss_weight + count * (count - 1) / 2;
+  double panels = ceil(larger(1.0, larger(motion / m->rule_motion[most - 2], filter / m->rule_filter[most - 2])));
+  whole count = 2;
+  while (count < most && larger(motion / m->rule_motion[count - 2], filter / m->rule_filter[count - 2]) > panels) ++count;
+  const whole first = count * (count - 1) / 2 - 1;
   for (double panel = 0; panel < panels; ++panel)
-    for (whole k = 0; k < count; ++k)
-      if (take_point(m, start, (panel + at[k]) / panels, weight[k] / panels)) return BESIDE;
+    for (whole k = first; k < first + count; ++k)
+      if (take_point(m, start, (panel + m->rule_at[k]) / panels, m->rule_weight[k] / panels)) return BESIDE;
   return DONE;
 }
 
@@ -1048,9 +1048,17 @@ EXPORTED void ltcgear_pass(march *m, double duration, double knot) {
   m->unpassed = met ? 0.0 : due - (m->time - before);
 }
 
+/* How late [s] after an arc's end a sample still is of the arc: by what rounding, and what counts as being at a border,
+ * make of the instant of a jump. A sample that falls on a jump is then the one before it, on any processor. */
+static double lateness(const march *m) {
+  double rate = 0;
+  for (whole i = 0; i < m->n_levels; ++i) rate = larger(rate, fabs(m->after[m->n_levels + i]));
+  return smaller(2 * AT_BORDER * smaller(1 / rate, m->widest), 1e-3 * m->reached);
+}
+
 /* Read the samples that lie in the arc, its end included; steps are counted as if they were equally long in it. */
 static int take_samples(march *m, double start) {
-  double end = start + m->reached * (1 + 1e-12);
+  double end = start + m->reached + lateness(m);
   for (; m->done <= m->last && (double)m->done / m->sampling <= end; ++m->done, ++m->filled) {
     double time = (double)m->done / m->sampling, *x = m->sample_x + m->filled * m->n;
     if (read_path(m, (time - start) / m->reached, x)) return BESIDE;
@@ -1472,6 +1480,15 @@ static void set_clocks(ltcgear_run *run) {
   for (whole c = 0; c < run->model->n_clocks; ++c) run->m.p[clock[c].start] = run->parameters[clock[c].start];
   for (whole c = 0; c < run->model->n_clocks; ++c)
     run->m.p[clock[c].start] += clock[c].unit * ((double)run->rest[c] / (double)clock[c].below);
+}
+
+/* Add the cycles that were taken off to the phases that are told. */
+static void add_cycles(const ltcgear_run *run, double *y) {
+  for (whole c = 0; c < run->model->n_clocks; ++c) {
+    const ltcgear_clock *clock = run->model->clocks + c;
+    if (clock->mesh_phase >= 0) y[clock->mesh_phase] += (double)run->cycles[c];
+    if (clock->gear_phase >= 0) y[clock->gear_phase] += (double)run->cycles[c];
+  }
 }
 
 static void take_turns_off(ltcgear_run *run) {
@@ -2116,8 +2133,7 @@ static int read_outputs(ltcgear_run *run, double time, const double *x, const do
   run->output.res[0] = y;
   call(&run->output, x, m->s_now, m->p);
   hold(m);
-  for (whole c = 0; c < model->n_clocks; ++c)
-    if (model->clocks[c].output >= 0) y[model->clocks[c].output] += (double)run->cycles[c];
+  add_cycles(run, y);
   return all_finite(model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 
@@ -2141,7 +2157,7 @@ static int hand_on(ltcgear_run *run, const taker *t, double *last) {
  * what is missing is made up for with the next one. */
 static void meet(march *m, double until) {
   double missing = until - m->time;
-  if (!(missing > 0) || missing > 1e-12 * m->reached) return;
+  if (!(missing > 0) || missing > lateness(m)) return;
   m->time = until, m->unpassed -= missing;
 }
 
@@ -2351,10 +2367,7 @@ int ltcgear_outputs(ltcgear_run *run, double time, const double *x, double *y) {
   pose_states(run, time, x);
   run->output.res[0] = y;
   call(&run->output, run->m.x, run->m.s, run->m.p);
-  for (whole c = 0; c < run->model->n_clocks; ++c) {
-    whole place = run->model->clocks[c].output;
-    if (place >= 0) y[place] += (double)run->cycles[c];
-  }
+  add_cycles(run, y);
   return all_finite(run->model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 

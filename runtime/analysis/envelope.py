@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -119,14 +120,15 @@ def _spectrum(one: Trace, value: FloatArray, window: str) -> Spectrum:
     )  # fmt: skip
 
 
-def choose_band(spectrum: Spectrum, mesh_hz: float, harmonics: int = 6) -> tuple[float, float]:
+def choose_band(spectrum: Spectrum, mesh_hz: float, harmonics: int = 6, highest_hz: float = inf) -> tuple[float, float]:
     """Return the band [Hz] half a mesh frequency to both sides of the strongest of a mesh's first harmonics.
 
-    Where that would hold fewer than `BINS` bins it is nearly all frequencies.
+    Where that would hold fewer than `BINS` bins it is nearly all frequencies, up to the highest.
     """
-    known = [h for h in range(1, harmonics + 1) if (h + 0.5) * mesh_hz <= spectrum.axis[-1]]
+    end = min(float(spectrum.axis[-1]), highest_hz)
+    known = [h for h in range(1, harmonics + 1) if (h + 0.5) * mesh_hz <= end]
     if not known or mesh_hz < BINS * spectrum.resolution:
-        return 2.0 * spectrum.resolution, float(spectrum.axis[-1])
+        return 2.0 * spectrum.resolution, end
     best = max(known, key=lambda h: spectrum.at(h * mesh_hz))
     return (best - 0.5) * mesh_hz, (best + 0.5) * mesh_hz
 

@@ -62,11 +62,12 @@ def _turns(found: Survey, group: str) -> FloatArray | None:
 def _draw_seen(found: Survey, seen: Seen) -> Iterator[tuple[str, Figure]]:
     """Draw what was found of one output."""
     name = seen.output.replace(":", "-")
-    yield f"spectrum-{name}", draw_spectrum(seen.spectrum, seen.lines)
-    yield f"density-{name}", draw_spectrum(seen.density)
+    reach = min(found.clues.band.end_hz, float(seen.spectrum.axis[-1]))
+    yield f"spectrum-{name}", draw_spectrum(seen.spectrum, seen.lines, reach)
+    yield f"density-{name}", draw_spectrum(seen.density, highest=reach)
     if seen.orders is not None:
         yield f"orders-{name}", draw_spectrum(seen.orders, seen.order_lines)
-    end = float(seen.waterfall.frequency[-1])
+    end = min(reach, float(seen.waterfall.frequency[-1]))
     fastest = max((float(course.max()) for course in seen.courses.values()), default=end)
     highest = min(end, max(REACH * fastest, BINS * seen.waterfall.resolution))
     yield f"spectrogram-{name}", draw_spectrogram(seen.waterfall, seen.courses, highest)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..spectra import explain_line, nearest_mode, strongest_lines
-from ..statistics import mesh_frequencies, sampling_rate, shaft_speeds
+from ..statistics import mesh_frequencies, shaft_speeds, stage_of
+from .band import Band, find_band
+from .decay import decays_as
 from .orders import TURN
-from .span import CHANGING, speed_change
 from .spectrum import Spectrum
 from .waterfall import STANDING
 
@@ -24,6 +26,10 @@ WITHIN = 0.6
 """How far a line may be from what it is named after [bins], where others near it push it."""
 DUST = 1e-4
 """Share of the strongest line below which peaks are left out."""
+SAME = 1e-4
+"""Relative difference below which two members turn alike: means over a span differ by vibration."""
+NEIGHBOURS, ENOUGH = (-2, -1, 1, 2), 3
+"""Whole orders beside a line at which a comb has lines too, and at how many of them at least."""
 
 
 @dataclass(frozen=True)
@@ -33,15 +39,15 @@ class Clues:
     Attributes
     ----------
     meshes, carriers, shafts
-        Mesh frequency by gear set, and turns a second of carriers and of other members that are no planets [Hz].
+        Mesh frequency by gear set, and turns a second of carriers and of other members [Hz]. Those of gears of a stage
+        whose carrier turns are counted against the carrier too (``lsp.sun/carrier``), planets so only: as often a
+        tooth meets the same planet.
     modes
-        ``mode 7`` -> eigenfrequency and half of the half-power bandwidth [Hz].
+        ``mode 7`` -> eigenfrequency and half of the half-power bandwidth [Hz], damping ratio times the former.
     words
         ``mode 7`` -> what moves in it.
-    rate
-        Sampling rate [Hz], by which harmonics fold back; None where they leave no lines, as speeds change.
-    filtered
-        Whether accelerations were filtered before they were sampled, so that nothing of them folds back.
+    band
+        How far lines are true [Hz].
     """
 
     meshes: dict[str, float] = field(default_factory=dict)
@@ -49,14 +55,16 @@ class Clues:
     shafts: dict[str, float] = field(default_factory=dict)
     modes: dict[str, tuple[float, float]] = field(default_factory=dict)
     words: dict[str, str] = field(default_factory=dict)
-    rate: float | None = None
-    filtered: bool = False
+    band: Band = field(default_factory=lambda: Band(inf, raw=False))
 
     def over(self, turns_hz: float) -> Clues:
-        """Return the clues as orders of a shaft that turns so often a second; modes have no order."""
+        """Return the clues as orders of a shaft that turns so often a second; modes have no order.
+
+        An order spectrum ends where it is true at the highest speed, so nothing more is said of its band.
+        """
         every = (self.meshes, self.carriers, self.shafts)
         meshes, carriers, shafts = ({name: value / turns_hz for name, value in of.items()} for of in every)
-        return Clues(meshes, carriers, shafts, rate=self.rate / turns_hz if self.rate else None, filtered=self.filtered)
+        return Clues(meshes, carriers, shafts)
 
 
 @dataclass(frozen=True)
@@ -96,19 +104,27 @@ def find_clues(dataset: xr.Dataset, modes: Sequence[Mode] = ()) -> Clues:
     passing = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
     meshes = {stage: value for stage, value in passing.items() if value > STANDING}
     speeds = shaft_speeds(dataset, start) if "speed" in dataset else {}
-    turning = {name: abs(speed) / TURN for name, speed in speeds.items() if abs(speed) / TURN > STANDING}
-    carriers = {name: value for name, value in turning.items() if name.endswith(".carrier")}
-    shafts = {
-        name: value
-        for name, value in turning.items()
-        if "." in name and name not in carriers and ".planet." not in name
-    }
+    turning = {name: speed / TURN for name, speed in speeds.items() if "." in name and abs(speed) / TURN > STANDING}
+    carriers = {name: abs(value) for name, value in turning.items() if name.endswith(".carrier")}
+    shafts = {name: abs(value) for name, value in turning.items() if name not in carriers and ".planet." not in name}
+    known = list((carriers | shafts).values())
+    for name, value in _against_carriers(turning):
+        if value > STANDING and not any(abs(value - other) < SAME * value for other in known):
+            shafts[name] = value
+            known.append(value)
     vibrating = {f"mode {number}": mode for number, mode in enumerate(modes, start=1) if _vibrates(mode)}
     bands = {name: (mode.frequency_hz, abs(mode.damping_ratio) * mode.frequency_hz) for name, mode in vibrating.items()}
     words = {name: f"{mode.name or mode.kind}, {mode.frequency_hz:.4g} Hz" for name, mode in vibrating.items()}
-    rate = sampling_rate(dataset) if speed_change(dataset) <= CHANGING else None
-    filtered = dataset.attrs.get("oversample", 1) != 1
-    return Clues(meshes, carriers, shafts, bands, words, rate, filtered)
+    return Clues(meshes, carriers, shafts, bands, words, find_band(dataset))
+
+
+def _against_carriers(turning: Mapping[str, float]) -> Iterator[tuple[str, float]]:
+    """Yield how often gears turn against the carrier of their stage [Hz]; of equal planets the first stands for all."""
+    for name, value in turning.items():
+        carrier, stage = turning.get(f"{stage_of(name)}.carrier"), stage_of(name)
+        gear = name.removeprefix(f"{stage}.")
+        if gear == "planet.1" or (carrier is not None and gear in ("sun", "ring")):
+            yield f"{stage}.{gear.removesuffix('.1')}/carrier", abs(value - (carrier or 0.0))
 
 
 def _vibrates(mode: Mode) -> bool:
@@ -117,7 +133,11 @@ def _vibrates(mode: Mode) -> bool:
 
 
 def name_lines(
-    spectrum: Spectrum, clues: Clues, count: int = 12, highest: float | None = None
+    spectrum: Spectrum,
+    clues: Clues,
+    count: int = 12,
+    highest: float | None = None,
+    signals: Sequence[xr.DataArray] = (),
 ) -> tuple[NamedLine, ...]:
     """Return the strongest lines of an amplitude spectrum, strongest first, each with its explanation.
 
@@ -130,20 +150,38 @@ def name_lines(
     count
         How many at most.
     highest
-        Lines beyond this place on the axis are left out; the axis' end where left out.
+        Lines beyond this place on the axis are left out, as are those beyond the band.
+    signals
+        The outputs that the spectrum was taken of: by them it is seen whether a line dies away as a mode does, without
+        which none is named after a mode.
     """
-    inside = spectrum.axis <= (spectrum.axis[-1] if highest is None else highest)
+    end = min(clues.band.end_hz, float(spectrum.axis[-1]) if highest is None else highest)
+    inside = spectrum.axis <= end
     if inside.sum() < 3:
         return ()
     found = strongest_lines(spectrum.axis[inside], spectrum.value[inside], count, spectrum.separation, DUST)
-    within, highest = WITHIN * spectrum.resolution, float(spectrum.axis[-1])
-    rate = None if clues.filtered and spectrum.name.startswith("acceleration") else clues.rate
+    within = WITHIN * spectrum.resolution
+    # What turns more slowly than lines are placed explains any of them, and none.
+    carriers, shafts = (
+        {name: turns for name, turns in of.items() if turns > 2.0 * within} for of in (clues.carriers, clues.shafts)
+    )
     named = []
     for line in found:
         place = spectrum.refine(line.frequency_hz)
-        kind, name = explain_line(place, clues.meshes, within, clues.carriers, clues.shafts, clues.modes, highest, rate)
-        named.append(NamedLine(place, line.amplitude, kind, name, nearest_mode(place, within, clues.modes)))
+        combs = {name: turns for name, turns in (carriers | shafts).items() if _comb(spectrum, place, turns)}
+        kind, name = explain_line(place, clues.meshes, within, carriers, shafts, combs, end)
+        near = nearest_mode(place, within, clues.modes)
+        if not kind and near and decays_as(signals, place, TURN * clues.modes[near][1]):
+            kind, name = "mode", near
+        named.append(NamedLine(place, line.amplitude, kind, name, near))
     return tuple(named)
+
+
+def _comb(spectrum: Spectrum, place: float, turns: float) -> bool:
+    """Say whether a line is one of many at the distance of a shaft's turns, as a fault makes them."""
+    if turns < spectrum.separation + spectrum.resolution:
+        return False
+    return sum(spectrum.peak(place + step * turns) > 0.0 for step in NEIGHBOURS) >= ENOUGH
 
 
 def turns_per_second(angle: xr.DataArray) -> float:

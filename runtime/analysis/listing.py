@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..tables import Cell, Table
+from .band import RAW, Band
 from .lines import Clues, NamedLine
 from .spectrum import Spectrum
 from .survey import Seen, Survey
@@ -25,6 +26,7 @@ def list_tables(found: Survey) -> dict[str, Table]:
         own = [seen for seen in found.seen if seen.output.partition(":")[0] == quantity]
         tables[f"lines-{quantity}"] = _lines(quantity, own, found.clues)
         tables[f"orders-{quantity}"] = _orders(quantity, own)
+        tables[f"envelope-{quantity}"] = _envelopes(quantity, own)
         tables[f"sidebands-{quantity}"] = _sidebands(quantity, own)
     tables |= {
         "forces": _forces(found),
@@ -50,8 +52,13 @@ def _lines(quantity: str, own: list[Seen], clues: Clues) -> Table:
     used = sorted(
         {line.mode for seen in own for line in seen.lines if line.mode}, key=lambda name: int(name.split()[1])
     )
-    notes = [*_taken(own[0].spectrum, "Hz"), *(f"{name}: {clues.words[name]}" for name in used)]
+    notes = [*_taken(own[0].spectrum, "Hz"), _limit(clues.band), *(f"{name}: {clues.words[name]}" for name in used)]
     return Table(f"Strongest lines of {quantity}", columns, tuple(rows), tuple(notes))
+
+
+def _limit(band: Band) -> str:
+    """Say how far lines are told, and what they are worth."""
+    return f"lines up to {band.end_hz:.5g} Hz" + (f"; {RAW}" if band.raw else ", the band of the samples")
 
 
 def _named(line: NamedLine) -> tuple[Cell, ...]:
@@ -74,6 +81,18 @@ def _orders(quantity: str, own: list[Seen]) -> Table:
     columns = ("output", "shaft", "order", f"amplitude {own[0].spectrum.unit}", "kind", "name")
     notes = [note for over in {over.shaft: over for _, over in turning}.values() for note in _turned(over)]
     return Table(f"Strongest orders of {quantity}: cycles in a turn of the shaft", columns, tuple(rows), tuple(notes))
+
+
+def _envelopes(quantity: str, own: list[Seen]) -> Table:
+    """List the strongest lines of envelopes: how often what lies in a band swells and fades."""
+    rows: Rows = [
+        (_item(seen), f"{seen.envelope.low_hz:.5g} to {seen.envelope.high_hz:.5g}", *_named(line))
+        for seen in own
+        for line in seen.envelope_lines
+    ]
+    columns = ("output", "band Hz", "Hz", f"amplitude {own[0].spectrum.unit}", "kind", "name")
+    notes = tuple(_taken(own[0].envelope.spectrum, "Hz"))
+    return Table(f"Strongest lines of the envelope of {quantity}", columns, tuple(rows), notes)
 
 
 def _turned(spectrum: Spectrum) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,7 +54,9 @@ def choose_shaft(dataset: xr.Dataset, stage: str = "") -> str | None:
     return max(own, key=lambda name: own[name], default=None)
 
 
-def find_order_spectrum(signal: xr.DataArray, angle: xr.DataArray, *, window: str = "hann") -> Spectrum:
+def find_order_spectrum(
+    signal: xr.DataArray, angle: xr.DataArray, *, window: str = "hann", highest_hz: float = inf
+) -> Spectrum:
     """Return the amplitude spectrum of an output over the turns of a shaft.
 
     The output is interpolated by a spline of degree 5 at equal angles of the shaft over a whole number of turns, so
@@ -68,6 +71,8 @@ def find_order_spectrum(signal: xr.DataArray, angle: xr.DataArray, *, window: st
         Absolute angle of the shaft at the same instants [rad], unwrapped.
     window
         See ``find_spectrum``.
+    highest_hz
+        Frequency up to which samples are true, if that is lower.
 
     Raises
     ------
@@ -87,7 +92,7 @@ def find_order_spectrum(signal: xr.DataArray, angle: xr.DataArray, *, window: st
     if each * whole > MOST:
         raise LtcgearError(f"{shaft}: too slow at some time of the span beside its fastest; give a later start")
     order, value = amplitude_spectrum(_resample(turns, one.values, each, whole), float(each), window)
-    kept = order <= MARGIN * one.rate / speeds.max()
+    kept = order <= min(MARGIN * one.rate, highest_hz) / speeds.max()
     return Spectrum(
         one.name, one.title, "amplitude", one.unit, "1", order[kept], value[kept], window, 1.0 / whole,
         noise_bandwidth(window, each * whole) / whole, float(one.time[0]),

@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..statistics import group_of
-from .trace import FEWEST, FloatArray, list_items, pick, read_trace
+from ..statistics import group_of, mesh_statistics
+from .trace import FEWEST, FloatArray, front, list_items, pick, read_trace
 
 if TYPE_CHECKING:
     import xarray as xr
 
 UNLOADED = 1e-9
 """Mean load of a group over its largest force below which it carries nothing."""
+ALIKE = 0.99
+"""Part of what the most loaded mesh of a group carries from which another counts as loaded alike."""
 WEAK = 0.05
 """Part of the mean total load below which shares of an instant say nothing."""
 
@@ -69,6 +71,22 @@ def group_meshes(meshes: Iterable[str]) -> dict[str, list[str]]:
     return found
 
 
+def find_leads(dataset: xr.Dataset) -> list[str]:
+    """Return of each group of meshes the one that is looked at: the first of those that carry most.
+
+    The two flanks of a mesh with backlash are one group here, so that it is not the idle one.
+    """
+    meshes = list_items(dataset, "mesh_force")
+    if not meshes:
+        return []
+    carried = np.abs(dataset["mesh_force"].transpose("time", ...).values).mean(axis=0)
+    groups: dict[str, list[int]] = {}
+    for k, mesh in enumerate(meshes):
+        groups.setdefault(group_of(front(mesh)), []).append(k)
+    most = {group: float(carried[members].max()) for group, members in groups.items()}
+    return [meshes[next(k for k in members if carried[k] >= ALIKE * most[group])] for group, members in groups.items()]
+
+
 def mean_shares(means: FloatArray, largest: float) -> FloatArray | None:
     """Return each mesh's mean force over the mean of all [1]; None where they carry nothing beside their largest."""
     middle = float(means.mean())
@@ -97,7 +115,8 @@ def find_load_share(dataset: xr.Dataset, group: str) -> LoadShare:
         raise LtcgearError(f"{group}: no group of several meshes; there are {', '.join(several) or 'none'}")
     time, force = _read_forces(dataset, meshes)
     total = force.mean(axis=1)
-    mean = mean_shares(force.mean(axis=0), float(np.abs(force).max()))
+    found = mesh_statistics(dataset, float(time[0]))
+    mean = mean_shares(np.array([found[mesh]["mean"] for mesh in meshes]), float(np.abs(force).max()))
     if mean is None:
         raise LtcgearError(f"{group}: carries no load in the mean, so it has no shares")
     carried = total / total.mean()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
+from ..rounding import STILL
 from ..statistics import are_followed, sampling_rate, steady_start, window
 from .trace import FEWEST
 
@@ -18,8 +19,6 @@ NEEDED = (
     "twist", "acceleration_x",
 )  # fmt: skip
 """Quantities whose samples must be numbers throughout."""
-STILL = 6e-3
-"""Speed below which nothing turns [rad/s]."""
 CHANGING = 0.01
 """Change of speed over a span from which lines over frequency are smeared, and orders tell more."""
 

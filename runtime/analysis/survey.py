@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
+from ..rounding import round_statistics, without_rounding
 from ..statistics import group_of, mesh_statistics, stage_of
 from .bearings import BearingLoad, list_bearing_loads
 from .cycles import Cycles, count_cycles
@@ -17,7 +18,7 @@ from .envelope import Envelope, Sidebands, choose_band, find_envelope, find_side
 from .lines import DUST, Clues, NamedLine, find_clues, name_lines, turns_per_second
 from .orbits import Orbit, find_orbit, list_members
 from .orders import choose_shaft, find_order_spectrum, shaft_angle
-from .sharing import LoadShare, find_load_share, list_groups
+from .sharing import LoadShare, find_leads, find_load_share, list_groups
 from .span import CHANGING, cut, speed_change
 from .spectrum import Spectrum, find_density, find_spectrum
 from .trace import front, list_items, phase_of, pick, select_output
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
 LINES = 12
 CENTRES = 3
 """Harmonics of its mesh about which an output's sidebands are read."""
-USABLE = 0.4
-"""Share of the sampling rate up to which lines are named."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +121,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     LtcgearError
         If the span, an output, the shaft, the band or the window cannot serve.
     """
-    asked = options or Options()
+    asked, dataset = options or Options(), without_rounding(dataset)
     part, notes = cut(dataset, asked.start_s, asked.stop_s), []
     time = part["time"].values
     change = speed_change(part)
@@ -134,10 +133,10 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     seen = tuple(_see(part, wide, output, clues, asked, notes) for output in outputs)
     groups, meshes = list_groups(part), list_items(part, "mesh_force")
     shares = [_share(part, group, notes) for group, members in groups.items() if len(members) > 1]
-    leads = _leads(part)
+    leads = find_leads(part)
     return Survey(
         part, float(time[0]), float(time[-1]), clues, seen,
-        mesh_statistics(part, float(time[0])) if meshes else {},
+        round_statistics(mesh_statistics(part, float(time[0])), dataset) if meshes else {},
         tuple(share for share in shares if share is not None), tuple(_errors(part, leads)),
         tuple(_durations(part, leads)), tuple(_cycles(part, leads, notes)), list_bearing_loads(part),
         tuple(find_orbit(part, member, dataset) for member in list_members(part) if ".planet." not in member),
@@ -147,23 +146,8 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
 
 def _default_outputs(part: xr.Dataset) -> list[str]:
     """Return what is looked at when nobody says: the first mesh of each group, else the rotors' speeds."""
-    leads = [f"mesh_force:{mesh}" for mesh in _leads(part)]
+    leads = [f"mesh_force:{mesh}" for mesh in find_leads(part)]
     return leads or [f"speed:{rotor}" for rotor in list_items(part, "speed")[:4]]
-
-
-def _leads(part: xr.Dataset) -> list[str]:
-    """Return the first mesh of each group; of two flanks, the one that carries more."""
-    found: dict[str, str] = {}
-    for mesh in list_items(part, "mesh_force"):
-        lead = found.setdefault(group_of(front(mesh)), mesh)
-        if mesh != lead and front(mesh) == front(lead) and _carried(part, mesh) > _carried(part, lead):
-            found[group_of(front(mesh))] = mesh
-    return list(found.values())
-
-
-def _carried(part: xr.Dataset, mesh: str) -> float:
-    """Return the mean magnitude of a mesh's force [N]."""
-    return float(np.abs(pick(part, "mesh_force", mesh).values).mean())
 
 
 def _see(
@@ -172,12 +156,12 @@ def _see(
     """Look at one output; of two axes density, waterfall and envelope are those of x."""
     signals = select_output(part, output)
     spectrum = find_spectrum(*signals, window=asked.window)
-    usable = USABLE * 2.0 * float(spectrum.axis[-1])
-    lines = name_lines(spectrum, clues, asked.lines, usable)
+    lines = name_lines(spectrum, clues, asked.lines, signals=signals)
     waterfall = find_waterfall(select_output(wide, output)[0], resolution_hz=asked.resolution_hz, speed=_lead(wide))
     mesh = clues.meshes.get(stage_of(output.partition(":")[2]), max(clues.meshes.values(), default=0.0))
-    envelope = find_envelope(signals[0], *(asked.band or choose_band(spectrum, mesh)), window=asked.window)
-    found = name_lines(envelope.spectrum, replace(clues, rate=None), asked.lines, envelope.high_hz - envelope.low_hz)
+    band = asked.band or choose_band(spectrum, mesh, highest_hz=clues.band.end_hz)
+    envelope = find_envelope(signals[0], *band, window=asked.window)
+    found = name_lines(envelope.spectrum, clues, asked.lines, envelope.high_hz - envelope.low_hz)
     sidebands = tuple(_sidebands(spectrum, output, clues)) if speed_change(part) <= CHANGING else ()
     orders, order_lines = _orders(part, output, clues, asked, notes)
     courses = mesh_courses(wide, waterfall)
@@ -199,7 +183,7 @@ def _sidebands(spectrum: Spectrum, output: str, clues: Clues) -> list[Sidebands]
         find_sidebands(spectrum, (f"{harmonic} {stage}", harmonic * mesh), (name, turns))
         for harmonic in range(1, CENTRES + 1)
         for name, turns in turning.items()
-        if mesh > 0.0 and stage_of(name) == stage and 3.0 * turns < mesh
+        if mesh > 0.0 and stage_of(name) == stage and 3.0 * turns < mesh and harmonic * mesh <= clues.band.end_hz
     ]
     loud = DUST * float(spectrum.value[1:].max())
     return [one for one in found if one is not None and one.amplitude > loud and one.depth > 0.0]
@@ -214,7 +198,8 @@ def _orders(
         return None, ()
     try:
         angle = shaft_angle(part, shaft)
-        found = find_order_spectrum(select_output(part, output)[0], angle, window=asked.window)
+        signal, end = select_output(part, output)[0], clues.band.end_hz
+        found = find_order_spectrum(signal, angle, window=asked.window, highest_hz=end)
     except LtcgearError as error:
         if asked.shaft is not None:
             raise

@@ -13,7 +13,7 @@ file.
 - With `--json` a command prints one JSON object and nothing else on standard output; messages go to standard error.
 - Exit codes: 0 done, 1 a check failed, 2 bad input, 3 the solver or the compiler failed, 130 stopped by Ctrl-C.
 - C that was made once is kept in a store in the user's cache folder; the environment variable `LTCGEAR_CACHE` names
-  another folder.
+  another folder. Flags in `LTCGEAR_CFLAGS` are given to the compiler after its own ([any processor](arithmetic.md)).
 
 This page is written by `make docs` from the commands.
 

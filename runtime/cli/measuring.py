@@ -94,7 +94,7 @@ def _keys(opened: Opened) -> tuple[str, str]:
     """Return the keys of a model and of its numbers."""
     from ..precision.record import digest_numbers
 
-    return opened.key, digest_numbers(opened.model.values(), opened.model.tables)
+    return opened.key, digest_numbers(opened.scene.model_dump_json(exclude_none=True))
 
 
 def check_accuracy(asked: str | None, path: Path | None, given: list[str]) -> None:

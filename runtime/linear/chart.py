@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..library import Library
 from .floquet import MARGIN, find_monodromies, settle
 from .periodic import Periodic, reference_speed, vary
-from .tongues import Tongue, find_tongues
+from .tongues import Tongue, find_tongues, strongest_first
 
 Vector = NDArray[np.float64]
 RPM = 2 * np.pi / 60
@@ -99,8 +99,7 @@ def draw_up(
         largest[k] = _largest(periodic, variations, len(speeds))
         tongues += find_tongues(periodic, speed, edges[k], edges[k + 1])
         told(k + 1)
-    tongues.sort(key=lambda tongue: -float(tongue.coupling / tongue.resonance.order))
-    return Chart(meshes, speeds, variations, base, largest, tongues)
+    return Chart(meshes, speeds, variations, base, largest, strongest_first(tongues))
 
 
 def _largest(periodic: Periodic, variations: Vector, speeds: int) -> Vector:

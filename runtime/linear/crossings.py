@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
+from ..rounding import SHARE
 from ..statistics import group_of, stage_of
-from .campbell import LOAD, Campbell
+from ..ties import order_by_size
+from .campbell import LOAD, SPEED, Campbell
 from .excitation import find_harmonics
 from .inputs import MeshPath, find_paths
 from .modes import Mode
@@ -19,8 +21,8 @@ from .orders import Order, phases_of
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 MICRON = 1e-6
-NOTHING = 1e-9
-"""Share of the force of 1 um below which what a mode makes is rounding: the planets cancel each other."""
+STARTING = 0.1
+"""Part of the scene's speed, or of the axis' end where it has none, below which a train only starts or stops."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,9 @@ class Crossing:
 def find_crossings(campbell: Campbell, orders: Sequence[Order]) -> list[Crossing]:
     """Find where orders cross eigenfrequencies, those that excite most first.
 
+    A steady amplitude counts only where a train runs: crossings below `STARTING` of its speed, which every soft mode
+    has with every order, come last.
+
     Parameters
     ----------
     campbell
@@ -85,13 +90,14 @@ def find_crossings(campbell: Campbell, orders: Sequence[Order]) -> list[Crossing
                     continue
                 excited = meshes[point].excited(order, mode, campbell.modes[point])
                 found[key] = Crossing(order, number, value, hertz, margin, *excited)
-    return sorted(found.values(), key=_rank)
+    slow = STARTING * (campbell.home or float(campbell.values[-1])) if campbell.axis == SPEED else 0.0
+    return sorted(found.values(), key=lambda crossing: _rank(crossing, slow))
 
 
-def _rank(crossing: Crossing) -> tuple[bool, float, float]:
-    """Sort by the force that follows, then by the sensitivity; unbounded first."""
+def _rank(crossing: Crossing, slow: float) -> tuple[bool, bool, float, float]:
+    """Sort by the force that follows, then by the sensitivity; unbounded first, and last what stands near speed 0."""
     without = crossing.sensitivity is None
-    return (not without, -(crossing.force or 0.0), -(crossing.sensitivity or 0.0))
+    return (crossing.value < slow, not without, -(crossing.force or 0.0), -(crossing.sensitivity or 0.0))
 
 
 def _meet(campbell: Campbell, frequency: Vector, order: Order) -> list[tuple[float, float]]:
@@ -144,7 +150,7 @@ class _Point:
             pushed = {m: self.paths[m].of_error(omega) * MICRON * q for m, q in zip(members, phase, strict=True)}
             forces = self._forces(omega, same, pushed, members)
             if forces.max() > most:
-                best, most = members[int(forces.argmax())], float(forces.max())
+                best, most = members[order_by_size(forces, members)[0]], float(forces.max())
         if order.side:
             return best, most, None
         pushed = {mesh: complex(self.own[mesh][order.harmonic - 1]) for mesh in meshes}
@@ -159,5 +165,8 @@ class _Point:
             total += moved * np.array([self.paths[mesh].force @ mode.shape for mesh in meshes])
         sizes = np.abs(total)
         return np.where(
-            sizes > NOTHING * MICRON * max(abs(self.paths[mesh].of_error(omega)) for mesh in pushed), sizes, 0.0
+            # What is left where planets cancel each other is rounding.
+            sizes > SHARE * MICRON * max(abs(self.paths[mesh].of_error(omega)) for mesh in pushed),
+            sizes,
+            0.0,
         )

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ..kernel import Kernel
+from ..ties import largest_first
 from .system import Linear
 
 Complex = NDArray[np.complex128]
@@ -83,8 +84,7 @@ class Energies:
             squares += np.bincount(self._element_of, forces**2, len(self.elements))
         weights = self._owners @ squares
         each = squares * (self._owners.T @ np.divide(total, weights, out=np.zeros_like(total), where=weights > 0))
-        energy = dict(zip(self.elements, each.tolist(), strict=True))
-        return dict(sorted(energy.items(), key=lambda item: -item[1]))
+        return largest_first(dict(zip(self.elements, each.tolist(), strict=True)))
 
 
 def _element(manifest: Manifest, report: int) -> str:

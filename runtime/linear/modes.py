@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..ties import largest_first
 from .eigen import Eigen, solve_eigen
 from .system import Linear, Motions
 
@@ -172,7 +173,7 @@ def _shape(motions: Motions, moved: Complex) -> tuple[str, dict[str, float]]:
         groups[("planet " if ".planet." in state.body else "") + motion] += share
         part = f"{state.body} {motion}"
         parts[part] = parts.get(part, 0.0) + share
-    return _kind(groups), dict(sorted(parts.items(), key=lambda item: -item[1]))
+    return _kind(groups), largest_first(parts)
 
 
 def _members(energy: dict[str, float]) -> dict[str, float]:
@@ -181,7 +182,7 @@ def _members(energy: dict[str, float]) -> dict[str, float]:
     for part, share in energy.items():
         body = part.rpartition(" ")[0]
         members[body] = members.get(body, 0.0) + share
-    return dict(sorted(members.items(), key=lambda item: -item[1]))
+    return largest_first(members)
 
 
 def _kind(groups: dict[str, float]) -> str:

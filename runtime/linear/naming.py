@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..ends import HOUSING, label, list_ends, whole
+from ..ties import largest_first
 from .energies import Energies, family
 from .modes import SHARE, Mode
 from .system import Linear
@@ -92,4 +93,4 @@ def sum_by(shares: Mapping[str, float], name: Callable[[str], str]) -> dict[str,
     for key, share in shares.items():
         joint = name(key)
         found[joint] = found.get(joint, 0.0) + share
-    return dict(sorted(found.items(), key=lambda item: -item[1]))
+    return largest_first(found)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
 from ..statistics import group_of
+from ..ties import order_by_size
 from .campbell import SPEED
 
 if TYPE_CHECKING:
@@ -193,7 +194,8 @@ def _strongest(data: Data, quantities: tuple[str, ...]) -> list[Data]:
     outputs = [
         output for output in data["outputs"] if output["quantity"] in quantities and max(output["amplitude"]) > 0
     ]
-    outputs.sort(key=lambda output: (output["item"] != data["excited"], -max(output["amplitude"])))
+    order = order_by_size([max(output["amplitude"]) for output in outputs], [output["item"] for output in outputs])
+    outputs = sorted((outputs[k] for k in order), key=lambda output: bool(output["item"] != data["excited"]))
     top = max((max(output["amplitude"]) for output in outputs), default=0.0)
     chosen: dict[str, Data] = {}
     for output in (output for output in outputs if max(output["amplitude"]) > SHOWN * top):

@@ -14,6 +14,7 @@ from scipy.signal import find_peaks as find_maxima
 from scipy.sparse import csc_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
+from ..ties import order_by_size
 from .inputs import TorqueInput, find_input
 from .modes import Mode
 from .system import Linear
@@ -165,7 +166,7 @@ def find_peaks(response: Response, column: int, modes: Sequence[Mode]) -> list[t
         if mode.eigenvalue.imag
     }
     found = []
-    for i in inner[np.argsort(-size[inner], kind="stable")]:
+    for i in inner[order_by_size(size[inner])]:
         iw = 2j * np.pi * response.frequency[i]
         given = {k: abs(part / (iw - modes[k].eigenvalue)) for k, part in parts.items()}
         found.append((int(i), max(given, key=lambda k: given[k]) if given else -1))

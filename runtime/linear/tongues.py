@@ -22,6 +22,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from ..ties import order_by_size
 from .periodic import Periodic
 from .resonance_names import Oscillation, Resonance, combine, list_oscillations
 
@@ -99,7 +100,13 @@ def find_tongues(periodic: Periodic, speed: float, low: float, high: float) -> l
             up = left.conj().T @ (harmonic @ right)
             tongues = (_tongue(parts, pair, n, up, speed / base) for pair in near[n])
             found += [tongue for tongue in tongues if tongue is not None]
-    return sorted(found, key=lambda tongue: -float(tongue.coupling / tongue.resonance.order))
+    return strongest_first(found)
+
+
+def strongest_first(tongues: list[Tongue]) -> list[Tongue]:
+    """Return tongues by their growth at full variation, largest first."""
+    sizes = [float(tongue.coupling / tongue.resonance.order) for tongue in tongues]
+    return [tongues[k] for k in order_by_size(sizes, [tongue.resonance.name for tongue in tongues])]
 
 
 def _between(parts: list[Oscillation], low: float, high: float) -> dict[int, list[tuple[Indices, Indices]]]:

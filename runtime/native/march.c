@@ -128,9 +128,17 @@ EXPORTED void ltcgear_pass(march *m, double duration, double knot) {
   m->unpassed = met ? 0.0 : due - (m->time - before);
 }
 
+/* How late [s] after an arc's end a sample still is of the arc: by what rounding, and what counts as being at a border,
+ * make of the instant of a jump. A sample that falls on a jump is then the one before it, on any processor. */
+static double lateness(const march *m) {
+  double rate = 0;
+  for (whole i = 0; i < m->n_levels; ++i) rate = larger(rate, fabs(m->after[m->n_levels + i]));
+  return smaller(2 * AT_BORDER * smaller(1 / rate, m->widest), 1e-3 * m->reached);
+}
+
 /* Read the samples that lie in the arc, its end included; steps are counted as if they were equally long in it. */
 static int take_samples(march *m, double start) {
-  double end = start + m->reached * (1 + 1e-12);
+  double end = start + m->reached + lateness(m);
   for (; m->done <= m->last && (double)m->done / m->sampling <= end; ++m->done, ++m->filled) {
     double time = (double)m->done / m->sampling, *x = m->sample_x + m->filled * m->n;
     if (read_path(m, (time - start) / m->reached, x)) return BESIDE;

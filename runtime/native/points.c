@@ -1,4 +1,4 @@
-/* Points of an arc at which its outputs are read, with the weights of Gauss's rule: sums over them are integrals over
+/* Points of an arc at which its outputs are read, with the weights of Lobatto's rule: sums over them are integrals over
  * time of the motion itself, jumps included, whatever the sampling rate. */
 
 /* Write the state at a part of an arc, and note its time and weight. */
@@ -24,20 +24,20 @@ static int take_nodes(march *m, double start) {
   return DONE;
 }
 
-/* Take the points of an arc. Each panel of it has the fewest that resolve both the motion, to a millionth, and the motion
- * under the filter, to a thousandth: ``gauss_motion`` and ``gauss_filter`` are the largest angles by which the fastest of
- * both may turn in half a panel, by number of points. */
+/* Take the points of an arc, its ends included. Each panel of it has the fewest that resolve both the motion, to a
+ * millionth, and the motion under the filter, to a thousandth: ``rule_motion`` and ``rule_filter`` are the largest angles
+ * by which the fastest of both may turn in half a panel, by number of points from two on. */
 static int take_points(march *m, double start) {
-  if (!m->n_gauss) return DONE;
+  const whole most = m->most_points;
+  if (!most) return DONE;
   if (m->uniform) return take_nodes(m, start);
-  const whole most = m->n_gauss - 1;
   double motion = smaller(m->turning * m->reached, (double)m->n_nodes) / 2, filter = motion + m->passing * m->reached / 2;
-  double panels = ceil(larger(1.0, larger(motion / m->gauss_motion[most], filter / m->gauss_filter[most])));
-  whole count = 1;
-  while (count <= most && (motion > panels * m->gauss_motion[count - 1] || filter > panels * m->gauss_filter[count - 1])) ++count;
-  const double *at = m->gauss_at + count * (count - 1) / 2, *weight = m->gauss_weight + count * (count - 1) / 2;
+  double panels = ceil(larger(1.0, larger(motion / m->rule_motion[most - 2], filter / m->rule_filter[most - 2])));
+  whole count = 2;
+  while (count < most && larger(motion / m->rule_motion[count - 2], filter / m->rule_filter[count - 2]) > panels) ++count;
+  const whole first = count * (count - 1) / 2 - 1;
   for (double panel = 0; panel < panels; ++panel)
-    for (whole k = 0; k < count; ++k)
-      if (take_point(m, start, (panel + at[k]) / panels, weight[k] / panels)) return BESIDE;
+    for (whole k = first; k < first + count; ++k)
+      if (take_point(m, start, (panel + m->rule_at[k]) / panels, m->rule_weight[k] / panels)) return BESIDE;
   return DONE;
 }

@@ -13,6 +13,7 @@ from ltcgear.generated.store import digest
 from ..clocks import Course, read_courses
 from ..equilibrium import CLOSING, PULL, VARYING, Vector, find_equilibrium
 from ..library import Library
+from ..quantities import PHASES
 from ..sensitivity.ranking import is_continuous
 from ..signals import Pairs, insert_zeros
 from .bounds import bounds_of
@@ -122,7 +123,7 @@ def _places(library: Library, p: Vector) -> list[str]:
         _array("unsigned char", "fixed", map(int, fixed_parameters(manifest))),
         *(_array("double", name, values) for name, values in zip(("least", "most"), _bounds(manifest), strict=True)),
         _array("ltcgear_freedom", "freedoms", freedoms),
-        _array("ltcgear_clock", "clocks", (_clock(manifest, course) for course in read_courses(manifest, p)), "\n  "),
+        _array("ltcgear_clock", "clocks", _clocks(manifest, p), "\n  "),
         _array("ltcgear_whole", "holds", map(names.index, manifest.holds)),
         _array("unsigned char", "hold_closes", (int(not hold.endswith(FRICTION)) for hold in manifest.holds)),
         _array("ltcgear_whole", "forces", forces),
@@ -131,16 +132,25 @@ def _places(library: Library, p: Vector) -> list[str]:
     ]
 
 
-def _clock(manifest: Manifest, course: Course) -> str:
+def _clocks(manifest: Manifest, p: Vector) -> Iterable[str]:
+    """Write the clocks; of several that a mesh has, which go alike, the first counts for its level and its phases."""
+    told = [(report.quantity, report.item) for report in manifest.reports]
+    counted = {""}
+    for course in read_courses(manifest, p):
+        mesh = "" if course.mesh in counted else course.mesh
+        counted.add(mesh)
+        phases = [_place(told, (quantity, mesh)) for quantity in PHASES]
+        yield _clock(course, [_place(manifest.levels, mesh), *phases])
+
+
+def _clock(course: Course, counted: Sequence[int]) -> str:
     """Write one clock, see ``ltcgear_clock``."""
-    phases = [report.item if report.quantity == "mesh_phase" else "" for report in manifest.reports]
     # Whole numbers that C can count with; nothing is lost, unless a ratio is none of tooth numbers.
     advance = course.advance.limit_denominator(max(LARGEST // course.period, 1))
     modulus = advance.denominator * course.period
     periods, step = divmod(advance.numerator, modulus)
     wholes = (
-        course.index, _place(manifest.levels, course.mesh), _place(phases, course.mesh), step, advance.denominator,
-        modulus, periods * course.period, course.period,
+        course.index, *counted, step, advance.denominator, modulus, periods * course.period, course.period,
     )  # fmt: skip
     return f"{{{', '.join(map(str, wholes))}, {_real(course.unit)}}}"
 
@@ -193,9 +203,9 @@ def _model(library: Library, name: str, key: str, run: Run) -> str:
     return f"const ltcgear_model ltcgear_scene = {{\n{lines}}};"
 
 
-def _place(names: Sequence[str], name: str) -> int:
+def _place(names: Sequence[object], name: object) -> int:
     """Return where a name stands, -1 where it does not."""
-    return list(names).index(name) if name and name in names else -1
+    return list(names).index(name) if name in names else -1
 
 
 def _array(kind: str, name: str, items: Iterable[object], between: str = " ") -> str:

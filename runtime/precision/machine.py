@@ -19,7 +19,7 @@ def describe_machine() -> dict[str, object]:
         "load": round(os.getloadavg()[0], 2),
         "system": f"{platform.system()} {platform.machine()}",
         "compiler": None if compiler is None else compiler.version.splitlines()[0],
-        "flags": " ".join(store.FLAGS),
+        "flags": " ".join(store.flags()),
         "versions": {"python": platform.python_version()} | {name: _version(name) for name in PACKAGES},
     }
 

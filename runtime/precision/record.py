@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-from collections.abc import Mapping
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
@@ -12,7 +11,6 @@ from typing import Any, TypeGuard
 from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 
-from ..signals import Pairs
 from ..stepper import METHODS
 from .errors import KINDS, value_of
 
@@ -20,14 +18,20 @@ FORMAT = 1
 FOLDER = "accuracy"
 Data = dict[str, Any]
 AGAIN = "`ltcgear accuracy SCENE -o DIR` writes one"
+BESIDE = ("name", "title", "sources", "simulation")
+"""What a scene holds besides its model."""
 LARGEST_FILE = 10_000_000
 """Bytes above which a file is no record."""
 
 
-def digest_numbers(values: Mapping[str, float], tables: Mapping[str, Pairs]) -> str:
-    """Return the key of a model's numbers."""
-    shown = {name: [list(map(float, row)) for row in rows] for name, rows in tables.items()}
-    return store.digest([json.dumps({name: float(v) for name, v in values.items()}), json.dumps(shown)])
+def digest_numbers(scene_json: str) -> str:
+    """Return the key of a scene's numbers: of those it gives, as a result keeps them.
+
+    What follows from them would not do. Libraries of linear algebra and of functions differ in last bits from one
+    processor to another.
+    """
+    given = {name: value for name, value in json.loads(scene_json).items() if name not in BESIDE}
+    return store.digest([json.dumps(given, sort_keys=True)])
 
 
 def write_record(record: Data, folder: Path) -> list[Path]:

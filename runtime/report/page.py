@@ -11,6 +11,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..pages import open_templates, read_asset, write_text
+from ..rounding import round_statistics, without_rounding
 from .film import choose_windows, magnify, make_track, pack
 from .heading import describe_run, list_versions
 from .listing import list_tables
@@ -81,6 +82,7 @@ def compose_report(result: Result, background: Background, at: float | None = No
     environment = open_templates(ROOM, NEEDING)
     dataset, lost = _numbers(result.dataset)
     _check(dataset, at)
+    dataset = without_rounding(dataset)
     track, panels = _motion(dataset)
     windows = choose_windows(track, at)
     factor = magnify(track, panels)
@@ -95,7 +97,7 @@ def compose_report(result: Result, background: Background, at: float | None = No
         stage=_stage(track, stages, windows, factor),
         film=_script_json(_film(track, stages, windows, factor)),
         sections=sections,
-        tables=list_tables(dataset, result.summary.get("forces", {})),
+        tables=list_tables(dataset, round_statistics(result.summary.get("forces", {}), result.dataset)),
         scene=list_scene(dataset.attrs, background.sources),
         foot=list_versions(dataset.attrs),
         style=read_asset(ROOM, "report.css"),

@@ -10,38 +10,32 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
+from ..analysis.band import RAW, find_band
+from ..analysis.course_figures import draw_speeds, draw_torques, is_changing
 from ..analysis.lines import Clues, find_clues, name_lines, turns_per_second
 from ..analysis.load_figures import carrier_turns, draw_forces, draw_shares
 from ..analysis.orbit_figures import draw_orbits
 from ..analysis.orbits import find_orbit, list_members
 from ..analysis.orders import choose_shaft, find_order_spectrum, shaft_angle
-from ..analysis.sharing import find_load_share, list_groups
+from ..analysis.sharing import find_leads, find_load_share, list_groups
 from ..analysis.span import CHANGING, cut, speed_change
 from ..analysis.spectrum import find_spectrum
 from ..analysis.spectrum_figures import draw_spectrogram, draw_spectrum, draw_waterfall
-from ..analysis.trace import list_items, pick
-from ..analysis.waterfall import find_waterfall, mesh_courses
-from ..statistics import mesh_frequencies, stage_of
+from ..analysis.trace import list_items, phase_of, pick
+from ..analysis.waterfall import STANDING, find_waterfall, mesh_courses
+from ..statistics import stage_of
+from ..ties import order_by_size
 from .march_figure import draw_steps, draw_switchings
 from .pictures import make_picture
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
     from ..linear.modes import Mode
 
 MOST = 8
 """Figures of one kind in a page."""
-REST = 1e-12
-"""Largest shift of a member that is at rest [m]; less is rounding."""
-ROUNDING = 1e-9
-"""Variation of a signal over its size that is no vibration."""
-LEAST = 16
-"""Bins that a spectrum shows at least."""
-HARMONICS = 6.5
-"""Harmonics of the fastest mesh that spectra show."""
 
 
 @dataclass
@@ -77,15 +71,30 @@ def make_sections(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> list[Section]
     modes
         Modes by which lines are named; none where they are not known.
     """
-    makers = (_forces, _shares, _spectra, _waterfall, _orbits, _march)
+    makers = (_course, _forces, _shares, _spectra, _waterfall, _orbits, _march)
     return [section for make in makers for section in make(dataset, modes)]
 
 
+def _course(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
+    """Draw speeds and torques over time, where they change."""
+    if is_changing(dataset):
+        section = Section("course", "Speed and torque", ["Speeds and torques over the whole record."])
+        section.draw(partial(draw_speeds, dataset), "Counter-clockwise is positive.", 3.1)
+        section.draw(partial(draw_torques, dataset), "", 3.1)
+        yield section
+
+
 def _forces(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
-    """Draw mesh forces over time."""
-    groups = list(list_groups(dataset))
-    if groups:
-        section = Section("forces", "Mesh forces", ["Normal forces along the lines of action." + _left_out(groups)])
+    """Draw mesh forces over time, of groups that carry any."""
+    loads = {
+        group: max(float(np.abs(pick(dataset, "mesh_force", mesh).values).max()) for mesh in meshes)
+        for group, meshes in list_groups(dataset).items()
+    }
+    groups, idle = [name for name, load in loads.items() if load], [name for name, load in loads.items() if not load]
+    if loads:
+        text = ["Normal forces along the lines of action." + _left_out(groups)]
+        text += [f"Without force throughout: {', '.join(idle)}."] if idle else []
+        section = Section("forces", "Mesh forces", text)
         for group in groups[:MOST]:
             section.draw(partial(draw_forces, dataset, group), "Above the whole record, below its end.", 4.2)
         yield section
@@ -115,14 +124,15 @@ def _shares(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
 
 def _spectra(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     """Draw spectra of a mesh force of each group of meshes, and of the liveliest accelerations."""
-    wanted = [("mesh_force", meshes[0]) for meshes in list_groups(dataset).values()]
     lively = _liveliest(dataset)
+    wanted = [("mesh_force", mesh) for mesh in find_leads(dataset.isel(time=slice(dataset.sizes["time"] // 2, None)))]
     wanted = [*wanted[: MOST - len(lively)], *lively]
     if not wanted:
         return
     section = Section("spectra", "Spectra", [
         "Second half of the record. The strongest lines are numbered and named by what explains them: harmonics of "
-        "mesh frequencies (“2 hsp”), sidebands, turns of shafts, or modes of the linearised model."
+        "mesh frequencies (“2 hsp”), sidebands, turns of shafts, or modes of the linearised model where the line dies "
+        "away as they do."
     ])  # fmt: skip
     try:
         part = cut(dataset)
@@ -134,6 +144,7 @@ def _spectra(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     if changing > CHANGING:
         section.text.append(f"Speeds change by {changing:.0%} there, so spectra are taken over turns of a shaft.")
     clues = find_clues(part, modes)
+    section.text += [f"{RAW[0].upper()}{RAW[1:]}."] if clues.band.raw else []
     for quantity, item in wanted:
         section.draw(partial(_spectrum, part, quantity, item, clues, changing > CHANGING), "", 3.1)
     yield section
@@ -146,27 +157,21 @@ def _spectrum(part: xr.Dataset, quantity: str, item: str, clues: Clues, turning:
     ]
     for signal in signals:
         _refuse_constant(signal)
-    highest = HARMONICS * max(clues.meshes.values(), default=0.0)
-    rotor = choose_shaft(part) if turning else None
+    end = clues.band.end_hz
+    rotor = choose_shaft(part, stage_of(item)) if turning else None
     if rotor is not None:
         angle = shaft_angle(part, rotor)
-        spectrum, each = find_order_spectrum(signals[0], angle), turns_per_second(angle)
-        clues, highest = clues.over(each), highest / each
+        spectrum = find_order_spectrum(signals[0], angle, highest_hz=end)
+        each, signals = turns_per_second(angle), []
+        clues, end = clues.over(each), float(spectrum.axis[-1])
     else:
         spectrum = find_spectrum(*signals)
-    end = _end(highest, spectrum.axis)
-    return draw_spectrum(spectrum, name_lines(spectrum, clues, 8, end), end)
-
-
-def _end(highest: float, axis: NDArray[np.float64]) -> float | None:
-    """Return where a spectrum's axis ends; at its own end where so little of it would be no picture."""
-    return float(min(highest, axis[-1])) if highest > LEAST * axis[1] else None
+    return draw_spectrum(spectrum, name_lines(spectrum, clues, 8, end, signals), end)
 
 
 def _refuse_constant(signal: xr.DataArray) -> None:
-    """Refuse a signal that does not vary but by rounding, as nothing is to be seen of its spectrum."""
-    values = signal.values
-    if not np.ptp(values) > ROUNDING * np.abs(values).max():
+    """Refuse a signal that does not vary, as nothing is to be seen of its spectrum."""
+    if not np.ptp(signal.values) > 0.0:
         item = next(str(value.values) for key, value in signal.coords.items() if key != "time")
         raise LtcgearError(f"the {signal.attrs['long_name']} of {item} does not vary")
 
@@ -179,37 +184,43 @@ def _liveliest(dataset: xr.Dataset) -> list[tuple[str, str]]:
     half = dataset.sizes["time"] // 2
     shaking = np.hypot(*(dataset[f"acceleration_{a}"].values[half:].std(axis=0) for a in "xy"))
     kinds: dict[str, str] = {}
-    for k in np.argsort(-shaking):
+    for k in order_by_size(shaking, members):
         if shaking[k] > 0:
             kinds.setdefault(members[k].rsplit(".planet.", 1)[0], members[k])
     return [("acceleration_x", member) for member in list(kinds.values())[:2]]
 
 
 def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
-    """Draw a spectrogram and a waterfall of the fastest mesh's force over the whole record."""
-    frequencies = mesh_frequencies(dataset) if "mesh_phase" in dataset and dataset.sizes["time"] > 4 else {}
-    meshes = list_items(dataset, "mesh_force")
-    if not meshes:
+    """Draw a spectrogram and a waterfall of the busiest mesh's force over the whole record."""
+    mesh = _busiest(dataset)
+    if mesh is None:
         return
-    varying = dict(zip(meshes, dataset["mesh_force"].transpose("time", ...).values.std(axis=0), strict=True))
-    mesh = max(meshes, key=lambda name: (frequencies.get(stage_of(name), 0.0), varying[name]))
-    section = Section(
-        "waterfall", "Waterfall", [f"The force of {mesh}, the mesh that passes most teeth, as its spectrum changes."]
-    )
-    highest = HARMONICS * frequencies.get(stage_of(mesh), 0.0)
+    text = f"The force of {mesh}, the busiest mesh (mean force times teeth a second), as its spectrum changes."
+    section = Section("waterfall", "Waterfall", [text])
 
     @cache
-    def find() -> tuple[Any, Any, float | None]:
+    def find() -> tuple[Any, Any, float]:
         _refuse_constant(pick(dataset, "mesh_force", mesh))
         rotor = choose_shaft(dataset)
         speed = None if rotor is None else pick(dataset, "speed", rotor)
         found = find_waterfall(pick(dataset, "mesh_force", mesh), speed)
-        end = _end(highest, found.frequency)
-        return found, mesh_courses(dataset, found), end
+        return found, mesh_courses(dataset, found), find_band(dataset).end_hz
 
     section.draw(lambda: draw_spectrogram(*find()), "Brighter is stronger.", 3.3)
     section.draw(lambda: draw_waterfall(*find()), "Spectra one above another.", 3.3)
     yield section
+
+
+def _busiest(dataset: xr.Dataset) -> str | None:
+    """Return the mesh that carries most, times the teeth that it passes a second; None where nothing meshes."""
+    leads, time = find_leads(dataset), dataset["time"].values
+    if not leads:
+        return None
+    carried = [float(np.abs(pick(dataset, "mesh_force", mesh).values).mean()) for mesh in leads]
+    phases = [phase_of(dataset, mesh) for mesh in leads]
+    passed = [0.0 if phase is None else float(np.ptp(phase.values)) for phase in phases]
+    rates = np.array(passed) / max(float(time[-1] - time[0]), 1e-300)
+    return leads[int(np.argmax(np.array(carried) * np.maximum(rates, STANDING)))]
 
 
 def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
@@ -229,7 +240,7 @@ def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
         yield section
         return
     orbits = [find_orbit(part, member, dataset) for member in members]
-    resting = [orbit.member for orbit in orbits if max(np.abs(orbit.x).max(), np.abs(orbit.y).max()) < REST]
+    resting = [orbit.member for orbit in orbits if max(np.abs(orbit.x).max(), np.abs(orbit.y).max()) == 0.0]
     if resting:
         section.text.append(f"At rest: {', '.join(resting)}.")
     moving = [orbit for orbit in orbits if orbit.member not in resting]

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from ..batch import Batch
 from ..kernel import Kernel
 from ..nodes import Chebyshev
+from ..ties import order_by_size
 from .course import Course, Piece
 
 Vector = NDArray[np.float64]
@@ -69,7 +70,7 @@ def find_extreme(course: Course, output: int, measure: str, start: float) -> tup
         for piece, first in zip(course.pieces, spans, strict=True)
     ]
     best, chosen = -np.inf, Instant(0, 0.0, "inside")
-    for k in np.argsort(tops)[::-1][:RIVALS]:
+    for k in order_by_size(tops)[:RIVALS]:
         if spans[k] >= 1.0:
             break
         piece = course.pieces[int(k)]

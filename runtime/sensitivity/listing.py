@@ -12,6 +12,7 @@ from ltcgear.generated.errors import LtcgearError
 from ..plots import BLUE, VERMILLION
 from ..results import check_target
 from ..tables import Table
+from ..ties import order_by_size
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,10 +84,13 @@ def _notes(item: Item) -> tuple[str, ...]:
 def _geometry(item: Item, top: int) -> Table:
     """List the strongest radii, places, angles and phases of one number."""
     share = 100 / item["value"] if item["value"] else nan
-    ordered = sorted(chosen(item, "geometry"), key=lambda row: -abs(row["derivative"]) * _step(row))
+    geometry = chosen(item, "geometry")
+    order = order_by_size(
+        [abs(row["derivative"]) * _step(row) for row in geometry], [row["parameter"] for row in geometry]
+    )
     rows = [
         (row["parameter"], f"{row['value']:.4g}", f"{row['derivative'] * share * _step(row):+.2e} {_per(row)}")
-        for row in ordered[:top]
+        for row in (geometry[k] for k in order[:top])
         if abs(row["derivative"]) * _step(row) > ROUNDING * abs(item["value"])
     ]
     return Table(

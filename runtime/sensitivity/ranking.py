@@ -1,11 +1,14 @@
 """Ranking: derivatives with respect to all parameters as rows, the strongest first."""
 
 from dataclasses import dataclass
+from math import isnan
 from typing import Any
 
 import numpy as np
 from ltcgear.generated.contract import Manifest
 from numpy.typing import NDArray
+
+from ..ties import order_by_size
 
 Vector = NDArray[np.float64]
 FIXED = (
@@ -87,11 +90,17 @@ def list_influences(
         relative = slope * value / number if value and number else None
         others = {key: float(each[i]) * (value if size else 1.0) for key, each in (beside or {}).items()}
         found.append(Influence(name, value, unit, "size" if size else "geometry", slope, relative, others))
-    return sorted(found, key=_order)
+    return _strongest_first(found)
 
 
-def _order(item: Influence) -> tuple[bool, bool, str, float]:
-    """Return what influences are sorted by."""
-    size = item.kind == "size"
-    strength = abs(item.derivative * (item.value if size else 1.0))
-    return not size, np.isnan(strength), "" if size else item.unit, -strength
+def _strongest_first(found: list[Influence]) -> list[Influence]:
+    """Return influences by kind and unit, those without derivative last, and the strongest of each first."""
+    groups: dict[tuple[bool, bool, str], list[Influence]] = {}
+    for item in found:
+        size = item.kind == "size"
+        groups.setdefault((not size, isnan(item.derivative), "" if size else item.unit), []).append(item)
+    ordered = []
+    for _, group in sorted(groups.items(), key=lambda entry: entry[0]):
+        strengths = [abs(item.derivative * (item.value if item.kind == "size" else 1.0)) for item in group]
+        ordered += [group[k] for k in order_by_size(strengths, [item.parameter for item in group])]
+    return ordered

@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from ..batch import Batch
 from ..nodes import Chebyshev
+from ..quantities import PHASES
 from .course import Course, Piece
 from .extreme import SIGNS, Instant, find_extreme
 
 Vector = NDArray[np.float64]
 MEASURES = ("mean", "rms", "vibration", *SIGNS)
 """Mean; root mean square about zero; root mean square about the mean; largest and smallest value."""
-UNBOUNDED = ("mesh_phase",)
-"""Outputs that grow with time, whose mean says nothing."""
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
 """Intervals between the points of a piece at which an output is looked at, one after the other."""
 EXACT, STILL = 1e-11, 1e-12
@@ -59,11 +58,11 @@ def find_output(manifest: Manifest, wanted: str) -> int:
     """
     quantity, _, item = wanted.partition(":")
     reports = [f"{report.quantity}:{report.item}" for report in manifest.reports]
-    if quantity in UNBOUNDED:
+    if quantity in PHASES:
         raise LtcgearError(f"--output {wanted}: {quantity} grows with time, so it has no mean; give another output")
     if f"{quantity}:{item}" in reports:
         return reports.index(f"{quantity}:{item}")
-    known = list(dict.fromkeys(report.quantity for report in manifest.reports if report.quantity not in UNBOUNDED))
+    known = list(dict.fromkeys(report.quantity for report in manifest.reports if report.quantity not in PHASES))
     of_it = [report.item for report in manifest.reports if report.quantity == quantity]
     if of_it:
         near = get_close_matches(item, of_it, 1, 0.0) or of_it

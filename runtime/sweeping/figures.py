@@ -15,6 +15,7 @@ from ..analysis.waterfall import Waterfall
 from ..plots import BLUE, ORANGE, finish_axes, make_canvas
 from ..spectra import noise_bandwidth
 from ..statistics import group_of
+from ..ties import order_by_size
 from .axes import Axis
 from .influence import FLAT, Influence, find_influences
 from .reading import (
@@ -245,7 +246,8 @@ def draw_map(dataset: Dataset, metric: str) -> Figure:
     """Draw a metric of a finished sweep over the two axes that vary, a panel for each item, those that vary most."""
     one, other = design_of(dataset).varied
     known = [one for one in _numbers_of(dataset, metric) if np.isfinite(one.values).any()]
-    numbers = sorted(known, key=lambda one: -float(np.nanmax(one.values) - np.nanmin(one.values)))[:PANELS]
+    order = order_by_size([np.nanmax(one.values) - np.nanmin(one.values) for one in known])
+    numbers = [known[k] for k in order[:PANELS]]
     values, label = _scaled(numbers)
     low, high = min(np.nanmin(some) for some in values), max(np.nanmax(some) for some in values)
     columns = min(len(numbers), 2)

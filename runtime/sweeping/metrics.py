@@ -16,8 +16,10 @@ from ..analysis.spectrum import find_spectrum
 from ..analysis.trace import FEWEST, FloatArray, list_items, select_output
 from ..analysis.transmission import find_transmission_error
 from ..averages import STATISTICS as MOTION
+from ..band import BAND
 from ..outputs import find_columns, nearest
 from ..results import Result
+from ..rounding import without_rounding
 from ..statistics import mesh_frequencies, mesh_statistics, sample_statistics, steady_start, window
 from ..stepper import Counts
 
@@ -34,6 +36,8 @@ STATISTICS: dict[str, tuple[str, Callable[[Mapping[str, FloatArray]], FloatArray
 }
 """Statistic of an output over the second half of the run -> what it is, and how it follows from those of the motion."""
 SPECTRUM = "spectrum"
+SUMMARISED = {"forces", "load_share", "energy_residual", "counts"}
+"""Metrics that a run's summary holds, where what is rounding is 0 already."""
 FORCES = {
     "mean": "mean normal mesh force", "min": "smallest normal mesh force", "max": "largest normal mesh force",
     "rms": "root mean square of the normal mesh force", "amplitude": "half the span of the normal mesh force",
@@ -207,7 +211,8 @@ def _take_spectrum(name: str, run: Result) -> Taken:
     half = _half(run, name, names, FEWEST)
     found = find_spectrum(*(signal.sel(time=half["time"]) for signal in signals))
     words, source = f"amplitude spectrum of the {found.title}", f"{found.window} window"
-    yield Values(name, found.value, found.unit, words, source, "frequency", found.axis.tolist())
+    within = found.axis <= run.dataset.attrs.get("band_hz", np.inf)
+    yield Values(name, found.value[within], found.unit, words, source, "frequency", found.axis[within].tolist())
     if "mesh_phase" in run.dataset:
         frequencies = mesh_frequencies(run.dataset[["mesh_phase"]])
         words = "mesh frequency"
@@ -248,7 +253,7 @@ def choose_metrics(dataset: xr.Dataset) -> list[str]:
     return [*(["forces"] if "mesh_force" in dataset else ["energy_residual"]), *(["load_share"] if sharing else [])]
 
 
-def lay_out(dataset: xr.Dataset, names: Sequence[str], t_end: float, rate: float) -> xr.Dataset:
+def lay_out(dataset: xr.Dataset, names: Sequence[str], t_end: float, rate: float, raw: bool = False) -> xr.Dataset:
     """Return a row as `measure` gives it, with NaN in place of all numbers.
 
     A run of ones is measured, so that the two cannot differ in form.
@@ -259,8 +264,8 @@ def lay_out(dataset: xr.Dataset, names: Sequence[str], t_end: float, rate: float
         Of a result, or of none yet (``make_dataset`` with ``no_rows``): its quantities and items count.
     names
         Metrics, see `find_metric`.
-    t_end, rate
-        Time that is simulated [s] and samples a second [Hz].
+    t_end, rate, raw
+        Time that is simulated [s], samples a second [Hz], and whether they are raw.
 
     Raises
     ------
@@ -279,7 +284,9 @@ def lay_out(dataset: xr.Dataset, names: Sequence[str], t_end: float, rate: float
             ones[str(label)] = (variable.dims, np.broadcast_to(1.0, shape), variable.attrs)
     fixed = {label: dataset[label] for label in dataset.coords if label != "time"}
     counts = asdict(Counts()) | {"expected_events": 0}
-    row = measure(Result(xr.Dataset(ones, {"time": time, **fixed}), {"energy_residual": 0.0, "counts": counts}), names)
+    band = {} if raw else {"band_hz": BAND * rate}
+    run = Result(xr.Dataset(ones, {"time": time, **fixed}, band), {"energy_residual": 0.0, "counts": counts})
+    row = measure(run, names)
     return row.map(lambda values: values.astype(np.float64) * np.nan, keep_attrs=True)
 
 
@@ -325,8 +332,10 @@ def take_values(result: Result, names: Sequence[str]) -> FloatArray:
 
 
 def _take(result: Result, names: Sequence[str]) -> dict[str, Values]:
-    """Return the values of metrics by the name of the variable."""
-    return {one.name: one for name in dict.fromkeys(names) for one in find_metric(name)(result)}
+    """Return the values of metrics by the name of the variable; what is rounding is 0."""
+    told = set(names) <= SUMMARISED and "forces" in result.summary
+    clean = result if told else Result(without_rounding(result.dataset), result.summary)
+    return {one.name: one for name in dict.fromkeys(names) for one in find_metric(name)(clean)}
 
 
 def unite(rows: Sequence[xr.Dataset]) -> xr.Dataset:

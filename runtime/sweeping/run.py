@@ -228,7 +228,7 @@ def _prepare(
         Run(library, p, tables=tables, **settings)
     empty = make_dataset(library, p, no_rows(library))
     metrics = metrics or choose_metrics(empty)
-    return artifact, lay_out(empty, metrics, settings["t_end"], settings["rate"]), metrics
+    return artifact, lay_out(empty, metrics, settings["t_end"], settings["rate"], settings["raw"]), metrics
 
 
 def describe_sweep(plan: Plan) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 
 from ..elements.base import real
-from ..model import Instance, Level, Model, Phase
+from ..model import Instance, Model
 from . import waves
 from .chapter_laws import law_anchor, write_unit
 from .content import Chapter, Link, Maths, Part, Text
@@ -83,7 +83,7 @@ def _told(bound: str) -> str:
 
 def write_meshes(chapter: Chapter, model: Model) -> None:
     """Write the chapter on phases, stiffness, errors, switching and loads."""
-    if model.levels or model.phases:
+    if model.levels or any(phase.followed for phase in model.phases):
         _phases(chapter, model)
     else:
         chapter.say("No mesh follows its phase: stiffness is one number a mesh.")
@@ -103,7 +103,9 @@ def _phases(chapter: Chapter, model: Model) -> None:
     """Write phases and levels."""
     nu, tau, start, phi, share = map(real, ("nu", "tau", "tau_0", "phi", "varsigma"))
     chapter.head("Phase of a mesh", "phases")
-    chapter.say("The phase counts the teeth of gear 1 that have passed the line of centres (eqs 10 and 11).")
+    chapter.say(
+        "The phase counts the teeth of gear 1 that have passed the line of centres in the rigid motion (eqs 10 and 11)."
+    )
     chapter.equate(break_sum(typeset(tau), nu * phi + start))
     if model.levels:
         chapter.equate(
@@ -113,8 +115,7 @@ def _phases(chapter: Chapter, model: Model) -> None:
         )  # fmt: skip
     values, rows = model.values(), []
     shares = {level.name: level.share for level in model.levels}
-    followed: tuple[Phase | Level, ...] = (*model.phases, *model.levels)
-    for item in {item.name: item for item in followed}.values():
+    for item in (phase for phase in model.phases if phase.followed or phase.name in shares):
         rate = "0" if item.rate is None else f"{values[item.rate]:.9g}"
         part = f"{values[shares[item.name]]:.6g}" if item.name in shares else ""
         rows.append((item.name, rate, f"{values[item.start]:.9g}", part))

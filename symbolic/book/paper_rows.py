@@ -11,8 +11,11 @@ from ..checks.paper import Verdict, judge_row
 from ..paper import RIGHT, ROWS, Row
 from .notation import Printer, escape, fill_lines, put_signs
 
-GREEK = ("alpha", "gamma", "delta", "theta", "mu", "phi")
-PREFIXES = {"Delta_gamma": r"\Delta\gamma", "delta_t": r"\delta_{t}"}
+GREEK = ("alpha", "beta", "gamma", "delta", "epsilon", "theta", "mu", "xi", "phi")
+PREFIXES = {
+    "Delta_gamma": r"\Delta\gamma", "Delta_theta": r"\Delta\theta", "delta_theta": r"\delta_{\theta}",
+    "delta_t": r"\delta_{t}", "rolling": r"\text{rolling}", "coordinates": r"\text{coordinates}",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

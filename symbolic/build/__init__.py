@@ -46,7 +46,7 @@ def build_model(scene: Scene) -> Model:
     add_rayleigh(draft)
     return Model(
         scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, tuple(draft.instances),
-        tuple(draft.levels), tuple(draft.phases), tuple(draft.profiles), tuple(draft.rollings),
+        tuple(draft.levels), tuple(draft.phases), tuple(draft.profiles),
         tuple(draft.parameters.values()), dict(scene.effects), draft.statics,
         tuple(draft.signals.values()), draft.tables, tuple(draft.clocks),
     )  # fmt: skip

@@ -6,7 +6,7 @@ from ltcgear.generated.contract import Clock, Signal
 
 from .. import train
 from ..mesh_schema import Mesh
-from ..model import HOLD, Body, Instance, Level, Parameter, Phase, Profile, Rolling
+from ..model import HOLD, Body, Instance, Level, Parameter, Phase, Profile
 from ..schema import Gear, Pair, Planetary, Scene
 from ..series import Pairs
 
@@ -51,7 +51,6 @@ class Draft:
     levels: list[Level] = field(default_factory=list)
     phases: list[Phase] = field(default_factory=list)
     profiles: list[Profile] = field(default_factory=list)
-    rollings: list[Rolling] = field(default_factory=list)
     parameters: dict[str, Parameter] = field(default_factory=dict)
     frames: dict[str, str | None] = field(default_factory=lambda: {"": None})
     leaders: dict[str, str] = field(default_factory=dict)

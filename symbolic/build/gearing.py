@@ -6,7 +6,7 @@ from math import cos, pi, sin, sqrt
 from ltcgear.generated.contract import BACK, Clock
 
 from .. import gears, train
-from ..model import PHASE, TURN, VARYING, Body, Level, Phase, Rolling
+from ..model import PHASE, TURN, VARYING, Body, Level, Phase
 from ..schema import Eccentricity, Planetary
 from .bodies import reduced, swinging
 from .draft import Draft, MeshPlace
@@ -147,7 +147,7 @@ def _mesh_damping(draft: Draft, at: MeshPlace, geometry: gears.MeshGeometry, mea
 
 
 def _phase(draft: Draft, at: MeshPlace) -> None:
-    """Note the mesh phase: teeth of gear 1 that have passed the line of centres (eqs 10-11).
+    """Note the mesh phase: teeth of gear 1 that have passed the line of centres in the rigid motion (eqs 10-11).
 
     It counts up in the sense in which the gears turn at the start, so that every mesh begins with the
     single contact of eq 9, shifted by its planet's place; ``teeth_1`` is negative where that is clockwise.
@@ -162,7 +162,6 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
         # A mesh that knows angles only does not see where its pin stands.
         before = at.mesh.phase - teeth * (at.ahead + turn) / (2 * pi)
         rolled = draft.number(f"{at.label}.rolled_phase", before, "")
-    draft.rollings.append(Rolling(at.label, per_turn, at.members[0], rolled))
     runs = draft.rigid.mode != "rest" and relative != 0.0
     if runs:
         _clocks(draft, at, per_turn, dict.fromkeys((start, rolled)))
@@ -170,13 +169,12 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
     if followed:
         draft.number(VARYING, 1.0, "")
     followed |= any(i.name.removesuffix(BACK) == at.label and PHASE in i.bind.values() for i in draft.instances)
-    if not (at.switched or followed):
-        return
-    rate = draft.number(f"{at.name}.cycles", teeth * relative / (2 * pi), "1/rad") if runs else None
+    rate = None
+    if runs and (at.switched or followed):
+        rate = draft.number(f"{at.name}.cycles", teeth * relative / (2 * pi), "1/rad")
     if at.switched:
         draft.levels.append(Level(at.label, rate, start, f"{at.name}.single_share"))
-    if followed:
-        draft.phases.append(Phase(at.label, rate, start, rolled))
+    draft.phases.append(Phase(at.label, per_turn, at.members[0], rate, start, rolled, followed))
 
 
 def _clocks(draft: Draft, at: MeshPlace, teeth: str, starts: Iterable[str]) -> None:

@@ -139,7 +139,7 @@ def energies_and_forces(model: Model, equations: Equations) -> list[Check]:
     if all(make(instance.element).gradient for instance in model.instances):
         return [judged(name, lagrange_difference(model, equations), TOLERANCE, note)]
     kept = tuple(i for i in model.instances if make(i.element).gradient)
-    bare = replace(model, instances=kept, rollings=())
+    bare = replace(model, instances=kept)
     note += "; without the meshes, whose law is the paper's and no gradient"
     return [
         judged(name, lagrange_difference(bare, derive(bare)), TOLERANCE, note),

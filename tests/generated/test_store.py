@@ -95,6 +95,10 @@ def test_every_part_of_a_library_s_key_counts(home, monkeypatch, compiler, runs)
         patch.setattr(store, "FLAGS", (*store.FLAGS, "-fno-trapping-math"))
         others.append(store.library(C, compiler))
     with monkeypatch.context() as patch:
+        patch.setenv("LTCGEAR_CFLAGS", "-ffp-contract=fast -D'A=1 + 1'")
+        assert store.flags() == (*store.FLAGS, "-ffp-contract=fast", "-DA=1 + 1")
+        others.append(store.library(C, compiler))
+    with monkeypatch.context() as patch:
         patch.setattr(store, "LIBRARIES", ("-lm", "-lc"))
         others.append(store.library(C, compiler))
     with monkeypatch.context() as patch:
@@ -103,7 +107,15 @@ def test_every_part_of_a_library_s_key_counts(home, monkeypatch, compiler, runs)
     link = home / "cc"
     link.symlink_to(compiler.path)
     others.append(store.library(C, store.Compiler(str(link), compiler.version)))
-    assert len({first, *others}) == 7 == len(runs)
+    assert len({first, *others}) == 8 == len(runs)
+
+
+@pytest.mark.parametrize(("flags", "told"), [("-DA='1", "No closing quotation"), ("-fno-such-flag", "refused")])
+def test_flags_that_cannot_be_are_told(home, monkeypatch, compiler, flags, told):
+    monkeypatch.setenv("LTCGEAR_CFLAGS", flags)
+    with pytest.raises(CompileError, match=f"{told}") as refused:
+        store.library(C, compiler)
+    assert f"LTCGEAR_CFLAGS = {flags}" in str(refused.value)
 
 
 def test_every_part_of_a_model_s_key_counts(monkeypatch):

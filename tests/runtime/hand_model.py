@@ -233,13 +233,14 @@ class HandModel:
         one, two = (f"{name}.{body}" for body in bodies)
         (a, arm1), (b, arm2) = (self._teeth(n, motions[n]) for n in (one, two))
         nominal, rate, actual, sense = self._phases(m, one, two, a, b)
-        if m.teeth:
-            out.outputs["mesh_phase", item] = actual
         c = m.damping(self.inertia(one), self.inertia(two)) if self.effects["mesh_damping"] == "on" else 0.0
-        followed = actual if self.effects["stiffness_torque"] == "on" else nominal
+        by_gear = m.varying and self.effects["stiffness_torque"] == "on"
+        followed = actual if by_gear else nominal
+        if m.teeth:
+            out.outputs |= {("mesh_phase", item): followed, ("gear_phase", item): actual}
         k = m.stiffness(levels.get(item, 0.0), followed)
         slope = L(0)
-        if m.varying and self.effects["stiffness_torque"] == "on":
+        if by_gear:
             slope = m.profile(actual)[1] * sense * m.teeth / (2 * PI)
         e = m.error(nominal) * np.array([1, rate])
         self._flank(item, m, m.flank, (one, two), (a, b), (arm1, arm2), out, k=k, c=c, slope=slope, error=e)

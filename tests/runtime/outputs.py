@@ -8,7 +8,14 @@ UNITS = {
     "bearing_force_x": "N", "bearing_force_y": "N", "displacement_x": "m", "displacement_y": "m",
     "acceleration_x": "m/s^2",
 }  # fmt: skip
-DIMENSIONS = {"mesh": "mesh", "speed": "rotor", "twist": "rotor", "bearing": "bearing", "displacement": "member"}
+DIMENSIONS = {
+    "mesh": "mesh",
+    "speed": "rotor",
+    "twist": "rotor",
+    "bearing": "bearing",
+    "displacement": "member",
+    "acceleration": "member",
+}
 
 
 def times(seconds=1.0, rate=8192.0):
@@ -33,3 +40,16 @@ def result(time, parameters=None, **quantities):
         coordinates["parameter"] = list(parameters)
         data["parameter_value"] = (("parameter",), list(parameters.values()))
     return xr.Dataset(data, coordinates)
+
+
+def band_limited(dataset, factor):
+    """Mesh forces and accelerations of a run, filtered and decimated, with what tells how it turned."""
+    from scipy.signal import decimate
+
+    limited = dataset[["mesh_force", "acceleration_x", "acceleration_y", "mesh_phase", "speed", "reference_angle",
+                       "speed_ratio", "twist"]].isel(time=slice(None, None, factor))  # fmt: skip
+    for name in ("mesh_force", "acceleration_x", "acceleration_y"):
+        values = decimate(dataset[name].transpose("time", ...).values, factor, 40 * factor, "fir", axis=0)
+        limited[name] = limited[name].copy(data=values)
+    rate = (limited.sizes["time"] - 1) / float(limited["time"][-1] - limited["time"][0])
+    return limited.assign_attrs(dataset.attrs, band_hz=0.4 * rate)

@@ -43,15 +43,15 @@ DETAILS = {
     ),
     "a torsional phase sees the pin's place": (
         (TORSIONAL, *POSITION_ERRORS, *SMOOTH, TORQUE, *DAMPERS),
-        ("mesh_phase", "mesh_force"),
+        ("gear_phase", "mesh_phase", "mesh_force"),
     ),
 }
 """Settings whose laws are easily got wrong, and the quantities that show it."""
 SHOWN_BY_HAND = {
-    "mesh_force", "mesh_deflection", "mesh_contact", "pressure_angle", "mesh_phase", "mesh_friction", "pin_force_x",
-    "pin_force_y", "pin_friction_torque", "bearing_force_x", "bearing_force_y", "coupling_torque", "support_torque",
-    "speed", "angular_acceleration", "acceleration_x", "acceleration_y", "velocity_x", "velocity_y", "drive_torque",
-    "acceleration", "kinetic",
+    "mesh_force", "mesh_deflection", "mesh_contact", "pressure_angle", "mesh_phase", "gear_phase", "mesh_friction",
+    "pin_force_x", "pin_force_y", "pin_friction_torque", "bearing_force_x", "bearing_force_y", "coupling_torque",
+    "support_torque", "speed", "angular_acceleration", "acceleration_x", "acceleration_y", "velocity_x", "velocity_y",
+    "drive_torque", "acceleration", "kinetic",
 }  # fmt: skip
 """All that is compared; twists and displacements are the states themselves."""
 

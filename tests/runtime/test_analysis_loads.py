@@ -288,17 +288,18 @@ def test_spans_are_cut_to_the_second_half_or_as_asked():
     assert (part[0], part[-1]) == (0.5, 1.0)
 
 
-def test_extremes_between_samples_belong_to_the_span_they_were_followed_over():
-    extremes = {name: ("mesh", np.zeros(15), {"from_s": 2.0}) for name in ("mesh_force_lowest", "mesh_force_highest")}
-    dataset = make_dataset()
-    dataset = dataset.assign({k: (d, v[: dataset.sizes["mesh"]], a) for k, (d, v, a) in extremes.items()})
-    assert "mesh_force_lowest" in cut(dataset)
-    assert "mesh_force_lowest" not in cut(dataset, 2.0, 3.0)
-    assert "mesh_force_lowest" not in cut(dataset, 1.0)
-    assert "mesh_force_lowest" not in cut(dataset, 3.0)
-    for told in ({}, {"from_s": "soon"}):
-        dataset["mesh_force_lowest"].attrs = told
-        assert "mesh_force_lowest" not in cut(dataset)
+def test_statistics_along_the_motion_belong_to_the_span_they_were_taken_over():
+    end = float(make_dataset()["time"].values[-1])
+    dataset = make_dataset().assign(
+        statistics=(("statistic", "output"), np.zeros((5, 1)), {"from_s": 2.0, "to_s": end})
+    )
+    assert "statistics" in cut(dataset)
+    assert "statistics" not in cut(dataset, 2.0, 3.0)
+    assert "statistics" not in cut(dataset, 1.0)
+    assert "statistics" not in cut(dataset, 3.0)
+    for told in ({}, {"from_s": "soon", "to_s": end}, {"from_s": 2.0}):
+        dataset["statistics"].attrs = told
+        assert "statistics" not in cut(dataset)
 
 
 @pytest.mark.parametrize(

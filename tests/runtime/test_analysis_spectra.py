@@ -17,6 +17,7 @@ from ltcgear.runtime.analysis import (
     name_lines,
     select_output,
 )
+from ltcgear.runtime.analysis.decay import decays_as
 from ltcgear.runtime.analysis.envelope import choose_band
 from ltcgear.runtime.analysis.lines import Clues
 from ltcgear.runtime.analysis.orders import choose_shaft
@@ -144,7 +145,7 @@ def test_the_lines_of_a_result_are_named():
     assert [(line.place, line.kind, line.name, line.mode) for line in found] == [
         (pytest.approx(2 * HSP), "harmonic", "2 hsp", "mode 3"),
         (pytest.approx(LSP), "harmonic", "1 lsp", ""),
-        (pytest.approx(FREE), "mode", "mode 2", "mode 2"),
+        (pytest.approx(FREE), "", "", "mode 2"),  # it does not die away, so it is not shown to be free
     ]
     assert found[0].amplitude == pytest.approx(1.3)
     sun = name_lines(find_spectrum(*select_output(part, "acceleration:hsp.sun")), clues)
@@ -162,41 +163,123 @@ def test_without_clues_lines_have_no_names():
         (158.2, "harmonic", "1 hsp"),
         (187.7, "sideband", "hsp + 1 lsp"),
         (156.86, "sideband", "hsp - 1 hsp.carrier"),
+        (2.68, "shaft", "2 hsp.carrier"),
         (10.6, "shaft", "1 hsp.sun"),
+        (10.45, "", ""),  # slow turns explain what is within a third of the tolerance
         (628.3 - 29.9, "shaft", "psh - 1 psh.output"),
-        (391.0, "mode", "mode 9"),
-        (377.2, "", ""),
-        (400.9, "", ""),
+        (391.0, "", ""),
+        (46 * 29.5 + 0.05, "harmonic", "46 lsp"),
+        (46 * 29.5 + 0.2, "", ""),
+        (4 * 628.3, "harmonic", "4 psh"),
+        (9 * 628.3 - 158.2, "sideband", "9 psh - 1 hsp"),
+        (11 * 628.3 + 2 * 29.9, "", ""),
+        (13 * 29.9, "", ""),
     ],
 )
 def test_explanations_in_turn(frequency, kind, name):
     meshes, carriers = {"lsp": 29.5, "hsp": 158.2, "psh": 628.3}, {"hsp.carrier": 1.34}
-    shafts, modes = {"hsp.sun": 10.6, "psh.output": 29.9}, {"mode 9": (390.0, 8.0), "mode 8": (377.9, 0.1)}
-    assert explain_line(frequency, meshes, 0.3, carriers, shafts, modes) == (kind, name)
-
-
-LSP_MODES = {"mode 37": (1342.0, 20.0), "mode 40": (1969.0, 80.0)}
+    shafts = {"hsp.sun": 10.6, "psh.output": 29.9}
+    assert explain_line(frequency, meshes, 0.3, carriers, shafts, highest_hz=6000.0) == (kind, name)
 
 
 @pytest.mark.parametrize(
-    ("frequency", "within", "rate", "name"),
+    ("order", "kind", "name"),
     [
-        (46 * 29.5 + 0.15, 0.6, 8192.0, "46 lsp"),
-        (46 * 29.5 + 0.6, 1.5, 8192.0, "mode 37"),
-        (1344.2, 0.6, 8192.0, "mode 37"),  # 45.57 times the mesh frequency
-        (8192.0 - 6283.0 + 0.15, 0.6, 8192.0, "10 psh folded"),
-        (8192.0 - 6283.0 + 0.3, 0.6, None, "mode 40"),
-        (2 * 8192.0 - 25 * 628.3 + 0.15, 0.6, 8192.0, "25 psh folded"),
-        (2 * 8192.0 - 26 * 628.3, 0.6, 8192.0, ""),
-        (46 * 29.5 + 0.2, 5.0, 8192.0, "mode 37"),  # of coarse bins chance finds an order for anything
-        (4096.0 + 29.5, 0.6, 8192.0, ""),
+        (1, "shaft", "1 gear.input"), (2, "shaft", "2 gear.input"), (13, "shaft", "13 gear.input"),
+        (19, "shaft", "gear - 1 gear.input"), (20, "harmonic", "1 gear"), (23, "shaft", "gear + 3 gear.input"),
+        (27, "shaft", "27 gear.input"), (161, "shaft", "8 gear + 1 gear.input"), (169, "shaft", "169 gear.input"),
+    ],
+)  # fmt: skip
+def test_every_order_of_a_shaft_with_a_fault_is_named(order, kind, name):
+    """Twenty teeth: each whole order is a harmonic, a sideband of three steps at most, or so many turns."""
+    comb = {"gear.input": 24.5}
+    assert explain_line(24.5 * order, {"gear": 490.0}, 0.6, {}, comb, comb, highest_hz=4200.0) == (kind, name)
+
+
+def pulses(turns=24.5, share=0.03, size=1.0):
+    """A blow once a turn, as a tooth that is out of place strikes."""
+    beat = (turns * TIME) % 1.0
+    return size * np.exp(-0.5 * ((beat - 0.5) / share) ** 2)
+
+
+def test_a_blow_once_a_turn_has_the_orders_of_its_shaft_and_no_other():
+    """Without a comb at its own neighbours a slower shaft, whose 25th order is 9 orders of this one, names nothing."""
+    meshes, shafts = {"gear": 20 * 24.5}, {"gear.input": 24.5, "gear.output": 24.5 * 9 / 25}
+    signal = output(pulses() + 0.3 * np.sin(TURN * 490.0 * TIME), TIME)
+    found = name_lines(find_spectrum(signal), Clues(meshes, {}, shafts), 14)
+    names = {round(line.place / 24.5): line.name for line in found}
+    assert names == {k: f"{k} gear.input" for k in range(1, 14)} | {20: "1 gear"}
+    lone = output(np.sin(TURN * 9 * 24.5 * TIME), TIME)
+    assert name_lines(find_spectrum(lone), Clues(meshes, {}, shafts), 1)[0].name == ""
+
+
+def test_the_envelope_of_blows_peaks_at_the_shafts_turns():
+    ringing = 5.0 * np.sin(TURN * 490.0 * TIME) * (1.0 + pulses(share=0.1))
+    found = find_envelope(output(ringing, TIME), *choose_band(find_spectrum(output(ringing, TIME)), 490.0))
+    lines = name_lines(found.spectrum, Clues({"gear": 490.0}, {}, {"gear.input": 24.5}), 4)
+    assert lines[0].name == "1 gear.input"
+    assert {line.name for line in lines} == {f"{k} gear.input" for k in range(1, 5)}
+
+
+# --- free vibration
+
+
+FREQUENCY, DECAY = 391.3, 2.5
+"""A mode whose vibration falls to a twelfth in the second that `TIME` lasts."""
+RINGING = {"mode 9": (FREQUENCY, DECAY / TURN)}
+
+
+def named(values, start=0.0, stop=1.0, modes=None, window="hann"):
+    """The first line of a signal, its start and stop chosen, with the modes at hand."""
+    signal = output(values, TIME).sel(time=slice(start, stop))
+    clues = Clues(modes=RINGING if modes is None else modes)
+    return name_lines(find_spectrum(signal, window=window), clues, 1, signals=(signal,))[0]
+
+
+@pytest.mark.parametrize("window", ["hann", "flattop"])
+def test_a_line_that_dies_away_as_its_mode_does_is_free_vibration(window):
+    found = named(np.exp(-DECAY * TIME) * np.sin(TURN * FREQUENCY * TIME), window=window)
+    assert (found.kind, found.name, found.mode) == ("mode", "mode 9", "mode 9")
+
+
+@pytest.mark.parametrize(
+    ("values", "why"),
+    [
+        (np.sin(TURN * FREQUENCY * TIME), "steady"),
+        (np.exp(-2.0 * DECAY * TIME) * np.sin(TURN * FREQUENCY * TIME), "too quick"),
+        (np.exp(-0.5 * DECAY * TIME) * np.sin(TURN * FREQUENCY * TIME), "too slow"),
+        (np.exp(DECAY * TIME) * np.sin(TURN * FREQUENCY * TIME), "grows"),
+        ((1.0 - TIME) * np.sin(TURN * FREQUENCY * TIME), "no exponential"),
+        (np.random.default_rng(5).normal(size=TIME.size), "noise"),
     ],
 )
-def test_forced_lines_of_high_order_are_no_modes(frequency, within, rate, name):
-    """What a mesh forces has an order, however high, or is folded back by sampling at 8192 Hz; modes come last."""
-    meshes = {"lsp": 29.5, "psh": 628.3}
-    told = explain_line(frequency, meshes, within, modes=LSP_MODES, highest_hz=4096.0, rate_hz=rate)
-    assert told == (("mode" if name.startswith("mode") else "harmonic") if name else "", name)
+def test_what_is_merely_near_an_eigenfrequency_is_no_mode(values, why):
+    found = named(values, modes={"mode 9": (FREQUENCY, 4000.0)} if why == "noise" else None)
+    assert (found.kind, found.name, found.mode) == ("", "", "mode 9"), why
+
+
+def test_in_a_span_in_which_a_mode_hardly_decays_it_is_not_shown():
+    """A quarter of a second: exp(-0.6) is more than a half."""
+    values = np.exp(-DECAY * TIME) * np.sin(TURN * FREQUENCY * TIME)
+    assert named(values, stop=0.24).name == ""
+    assert named(values, stop=0.32).name == "mode 9"
+
+
+def test_a_harmonic_keeps_its_name_whatever_dies_away():
+    signal = output(np.exp(-DECAY * TIME) * np.sin(TURN * FREQUENCY * TIME), TIME)
+    clues = Clues({"a": FREQUENCY / 3.0}, modes=RINGING)
+    found = name_lines(find_spectrum(signal), clues, 1, signals=(signal,))[0]
+    assert (found.name, found.mode) == ("3 a", "mode 9")
+
+
+def test_two_axes_decay_together():
+    x, y = (output(np.exp(-DECAY * TIME) * wave(TURN * FREQUENCY * TIME), TIME) for wave in (np.sin, np.cos))
+    assert decays_as((x, y), FREQUENCY, DECAY)
+    assert not decays_as((), FREQUENCY, DECAY)
+    assert not decays_as((x * 0.0,), FREQUENCY, DECAY)
+
+
+# --- places and ends
 
 
 @pytest.mark.parametrize(
@@ -216,35 +299,31 @@ def test_where_no_parabola_fits_a_line_stands_at_its_bin():
     assert flat.refine(0.0) == 0.0
 
 
-def test_a_sampled_signal_has_harmonics_and_folded_ones():
-    """A cosine at 16 times 613 Hz, 9808 Hz, sampled at 8192 Hz shows at 1616 Hz."""
-    signal = np.cos(TURN * 103.0 * TIME) + np.cos(TURN * 9808.0 * TIME) + np.cos(TURN * 28 * 103.0 * TIME)
-    modes = {"mode 3": (1609.0, 30.0), "mode 4": (2880.0, 30.0)}
-    clues = Clues({"a": 103.0, "b": 613.0}, modes=modes, rate=8192.0)
-    lines = name_lines(find_spectrum(output(signal, TIME)), clues)
-    found = {round(line.place): (line.kind, line.name, line.mode) for line in lines}
-    assert found == {
-        103: ("harmonic", "1 a", ""),
-        1616: ("harmonic", "16 b folded", "mode 3"),
-        2884: ("harmonic", "28 a", "mode 4"),
-    }
-    assert clues.over(10.0).rate == pytest.approx(819.2)
-
-
-def test_accelerations_that_were_filtered_do_not_fold():
-    """Above half the kept rate a filter leaves nothing, so a line there is something else."""
+def test_lines_are_told_as_far_as_the_band_goes():
+    """Half of the sampling rate of raw samples, which say so; the band of those that were filtered before."""
     part = make_dataset().sel(time=slice(STEADY, None))
-    signal = output(np.cos(TURN * 9808.0 * TIME), TIME, "acceleration_x")
-    for oversample, name in ((1, "16 b folded"), (8, "")):
-        clues = replace(find_clues(part.assign_attrs(oversample=oversample)), meshes={"b": 613.0})
-        assert name_lines(find_spectrum(signal), clues)[0].name == name
+    signal = output(np.cos(TURN * 103.0 * TIME) + np.cos(TURN * 3300.0 * TIME), TIME)
+    for attributes, end, count in (({}, 4096.0, 2), ({"band_hz": 3276.8}, 3276.8, 1)):
+        clues = find_clues(part.assign_attrs(attributes))
+        assert clues.band.end_hz == pytest.approx(end, rel=1e-3)
+        assert clues.band.raw == (not attributes)
+        assert len(name_lines(find_spectrum(signal), clues)) == count
 
 
-def test_where_speeds_change_nothing_is_said_of_folding():
-    assert find_clues(make_dataset().sel(time=slice(STEADY, None))).rate == pytest.approx(8192.0, rel=1e-3)
-    time, angle, speed = run_up(5.0, 5.2)
-    ramp = result(time, mesh_phase={"a.mesh": 20.0 * angle / TURN}, speed={"a.input": speed})
-    assert find_clues(ramp).rate is None
+def test_orders_end_with_the_band():
+    time, angle, _ = run_up(20.0, 40.0)
+    signal, shaft = output(np.sin(7.0 * angle), time), output(angle, time, "angle", "sun")
+    assert find_order_spectrum(signal, shaft, highest_hz=1000.0).axis[-1] == pytest.approx(25.0, rel=1e-2)
+
+
+def test_gears_count_against_the_carrier_that_turns_and_planets_only_so():
+    """A planet of a stage whose carrier stands turns against it as it turns; a sun is then not told twice."""
+    speeds = {"s.sun": 300.0, "s.carrier": 90.0, "s.planet.1": -200.0, "s.planet.2": -200.0, "s.ring": 0.0,
+              "t.sun": 50.0, "t.carrier": 0.0, "t.planet.1": -70.0}  # fmt: skip
+    clues = find_clues(result(TIME, speed=speeds))
+    turns = {"s.sun": 300.0, "t.sun": 50.0, "s.sun/carrier": 210.0, "s.planet/carrier": 290.0, "t.planet/carrier": 70.0}
+    assert clues.carriers == pytest.approx({"s.carrier": 90.0 / TURN})
+    assert clues.shafts == pytest.approx({name: value / TURN for name, value in turns.items()})
 
 
 # --- orders

@@ -278,6 +278,24 @@ def test_sidebands_reach_the_modes_that_go_round_with_them(rpm):
     assert {kind for name, kind in reached if "pass" in name} == {"translational"}
 
 
+def test_what_stands_near_speed_zero_is_ranked_last():
+    """A soft shaft meets every order at a few turns: hardest excited of all, but where the train only starts."""
+    raw = pair(double_factor=1.4)
+    raw["rotors"] = {"drum": {"inertia": "30 kg*m^2"}}
+    raw["couplings"] = {
+        "shaft": {"between": ["gear.output", "drum"], "stiffness": "2e5 N*m/rad", "damping_ratio": 0.01}
+    }
+    raw["loads"]["brake"]["member"] = "drum"
+    c, found = campbell_of(raw)
+    crossings = find_crossings(found, list_orders(c.library.manifest, c.p, 3))
+    slow = [crossing.value < 0.1 * found.home for crossing in crossings]
+    assert slow == sorted(slow)
+    assert 0 < sum(slow) < len(slow)
+    assert max(crossing.force for crossing in crossings) == crossings[slow.index(True)].force > crossings[0].force
+    for part in (crossings[: slow.index(True)], crossings[slow.index(True) :]):
+        assert [one.force for one in part] == sorted((one.force for one in part), reverse=True)
+
+
 def test_without_damping_the_force_is_unbounded():
     raw = pair()
     raw["effects"]["mesh_damping"] = "off"

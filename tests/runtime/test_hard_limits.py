@@ -40,7 +40,7 @@ def test_a_run_in_which_gears_collide_keeps_only_finite_values(method):
     assert 0.05 < path.end < 0.15
     assert path.status.startswith(f"{method} stopped at t = 0.0")
     assert "gears of psh.mesh come so close" in path.status
-    data = make_dataset(bench.library, bench.p, sampled(bench.library, path, bench.p, 1))
+    data = make_dataset(bench.library, bench.p, sampled(bench.library, path, bench.p))
     assert np.isfinite(data["mesh_force"].values).all()
     assert np.isfinite(path.x).all()
     assert len(path.time) > 100

@@ -41,6 +41,22 @@ def displaced(c, seed=0, size=1e-8):
     return Equilibrium(x, c.at.levels, 0.0, 0)
 
 
+# --- samples on jumps
+
+ON_JUMPS = (
+    'effects.lateral = "off"', "stages.psh.input.teeth = 60", "stages.psh.mesh.contact_ratio = 1.5",
+    "-loads.input.speed", 'loads.input.speed_over_time = [["0 s", "-60 rpm"], ["9 s", "-60 rpm"]]',
+)  # fmt: skip
+"""Halves of single and double contact, a jump every 120th of a second; how far the train is, integration must tell."""
+
+
+@pytest.mark.parametrize("method", ["erk", "cvodes", "sundae"])
+def test_a_sample_on_a_jump_is_the_one_before_it(method):
+    path = case("psh", *ON_JUMPS).run(method=method, t_end=0.5, rate=120.0, rtol=1e-6)
+    assert path.status == "done"
+    assert (path.levels[1:, 0] == np.arange(60) % 2).all()
+
+
 # --- methods against each other
 
 

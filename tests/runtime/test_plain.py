@@ -21,6 +21,10 @@ GAPS = (
     'stages.psh.input.bearing.clearance = "50 um"', 'stages.psh.output.bearing.clearance = "80 um"',
 )  # fmt: skip
 PLANETS = (BACKLASH, *(f'stages.{mesh}.backlash = "0.2 mm"' for mesh in MESHES["lsp"]))
+MISPLACED = (
+    'effects.lateral = "off"', 'loads.ring.speed = "300 rpm"', 'effects.planet_position_error = "on"',
+    'stages.lsp.position_errors = [{planet = 1, radial = "60 um", tangential = "40 um"}]',
+)  # fmt: skip
 STEPPED = (
     "-loads.output.torque", 'loads.output.torque_over_time = [["0 s", "-10600 N*m"], ["1 s", "-10600 N*m"]]',
     "-loads.input.speed", 'loads.input.speed_over_time = [["0 s", "-600 rpm"], ["1 s", "-600 rpm"]]',
@@ -301,6 +305,22 @@ def test_loads_are_steered(place):
         expected = result[name].transpose("time", ...).values
         assert run.y[index] == pytest.approx(expected[-1, 0], rel=1e-6)
     assert abs(result["mesh_force"].values[5].max()) > 1.5 * abs(result["mesh_force"].values[-1].max())
+    run.close()
+
+
+def test_phases_of_misplaced_pins_go_on_over_the_turns(place):
+    """Where gears only turn, such a mesh has two clocks, which take the same cycles off one level and two phases."""
+    found = case("lsp", *MISPLACED)
+    assert len(found.library.manifest.clocks) == 2 * len(found.library.manifest.levels)
+    run = One(library(found, place("misplaced")), found, 1e-7).begun()
+    assert run.advance(0.5) == 0
+    options = {"t_end": 0.5, "rate": 1000.0, "method": "erk", "rtol": 1e-7}
+    result = simulate(found.library, found.model.values(), **options)
+    assert run.switchings() == result.summary["counts"]["events"] > 2000
+    for name in ("mesh_phase", "gear_phase"):
+        index = [i for i, report in enumerate(found.library.manifest.reports) if report.quantity == name]
+        assert run.y[index] == pytest.approx(result.dataset[name].values[-1], abs=1e-6), name
+        assert (run.y[index] > 200).all()
     run.close()
 
 

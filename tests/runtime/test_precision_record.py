@@ -3,7 +3,6 @@
 import csv
 import json
 
-import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.precision.cheapest import find_cheapest
@@ -12,6 +11,7 @@ from ltcgear.runtime.precision.listing import make_tables
 from ltcgear.runtime.precision.phases import sum_phases
 from ltcgear.runtime.precision.record import digest_numbers, keep, kept_path, read_record, write_record
 from ltcgear.runtime.precision.selection import read_percentage, select_setting
+from ltcgear.symbolic.scene import load_scene
 
 from records import gap, make_record
 
@@ -71,9 +71,16 @@ def test_the_store_keeps_a_record_by_model_and_numbers():
     assert keep(record) == path
     assert read_record(path) == record
     assert kept_path(record["model"], "others") != path != kept_path("another", record["numbers"])
-    one, two = digest_numbers({"a": 1.0}, {}), digest_numbers({"a": 1.0}, {"t": [(0.0, 1.0)]})
-    assert len({one, two, digest_numbers({"a": 1.0 + 1e-15}, {}), digest_numbers({"b": 1.0}, {})}) == 4
-    assert one == digest_numbers({"a": np.float64(1)}, {})
+
+
+def test_numbers_are_told_by_what_a_scene_gives():
+    def key(*changes):
+        return digest_numbers(load_scene("psh", dict(changes)).model_dump_json(exclude_none=True))
+
+    stiffness = "stages.psh.input.bearing.stiffness"
+    assert key() == key(("title", "another"), ("simulation.t_end", "3 s"))
+    assert key((stiffness, "1e9 N/m")) == key((stiffness, "1 kN/um")) == key((stiffness, "1000 N/mm^2*m"))
+    assert len({key(), key((stiffness, "1e9 N/m")), key((stiffness, "1.000000000000001e9 N/m"))}) == 3
 
 
 def without(*path):

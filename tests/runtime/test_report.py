@@ -184,9 +184,32 @@ def test_a_model_without_a_scene_has_a_page_too(run, tmp_path):
 
 def test_changing_speeds_are_seen_over_turns(tmp_path):
     text = make_page(simulate_into(tmp_path, "start-up", 1.0), modes=False)
-    words = Page(text).text
-    assert "spectra are taken over turns of a shaft" in words
-    assert "order: cycles in a turn of" in words
+    page = Page(text)
+    assert "spectra are taken over turns of a shaft" in page.text
+    assert "order: cycles in a turn of" in page.text
+    sections = [attrs["id"] for attrs in page.find("section")]
+    assert sections == [*SECTIONS[:1], "course", *[name for name in SECTIONS[1:] if name != "share"]]
+    drawn = [attrs["aria-label"] for attrs in page.find("svg") if "aria-label" in attrs]
+    assert [sum(label.startswith(title) for label in drawn) for title in ("Speeds of rotors", "Torques")] == [1, 1]
+    # The start-up loads the flank behind; the other one is idle but for the first contact.
+    spectra = [label for label in drawn if label.startswith("Amplitude spectrum: normal mesh force")]
+    assert [label.partition(" of ")[2].partition(".  ")[0].split(". ")[0] for label in spectra] == ["pair.mesh.back"]
+    assert "The force of pair.mesh.back, the busiest mesh" in page.text
+
+
+def test_steady_runs_have_no_course(psh):
+    assert "Speeds of rotors" not in psh[1]
+
+
+def test_a_train_at_rest_is_told_to_be_at_rest(tmp_path):
+    """No force, no factor, no line; members stand."""
+    page = Page(make_page(simulate_into(tmp_path, "lin-parker-3", 0.05), modes=False))
+    words = " ".join(page.text.split())
+    assert "Without force throughout: gear.sun_planet, gear.ring_planet." in words
+    assert "At rest: gear.carrier, gear.ring, gear.sun" in words
+    assert "the normal mesh force of gear.sun_planet.1 does not vary" in words
+    assert "mode 1" not in words
+    assert re.findall(r"gear\.sun_planet\.1(?: ?0){4} ?-", words)
 
 
 @pytest.mark.parametrize("t_end", [0.06, 0.0007])

@@ -14,6 +14,7 @@ from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import build, load, simulate
 from ltcgear.runtime.ensemble import simulate_many
 from ltcgear.runtime.exports import export
+from ltcgear.runtime.form import FORM
 from ltcgear.symbolic import build_model, describe_scene, load_scene, restore_scene
 from ltcgear.symbolic.pipeline import obtain
 from scipy.io import loadmat
@@ -44,7 +45,7 @@ def test_quantities_are_reached_by_name(made):
     assert np.array_equal(force, result.dataset["mesh_force"].sel(mesh="hsp.sun_planet.1"))
     assert result.pin["hsp.pin.2"].force_x.attrs["units"] == "N"
     assert set(result.rotor) == {str(name) for name in result.dataset["rotor"].values}
-    assert {"force", "phase", "level", "force_highest"} <= set(dir(result.mesh["hsp.sun_planet.1"]))
+    assert {"force", "phase", "level", "deflection"} <= set(dir(result.mesh["hsp.sun_planet.1"]))
 
 
 def test_names_that_are_not_there_are_told_with_what_is(made):
@@ -98,7 +99,7 @@ def test_plain_xarray_reads_a_file_with_units_and_statistics(file, made):
     with xr.open_dataset(file) as data:
         assert all("long_name" in v.attrs for v in data.data_vars.values())
         units = {str(name) for name, v in data.data_vars.items() if "units" not in v.attrs}
-        assert units == {"parameter_value"}  # each its own: parameter_unit
+        assert units == {"parameter_value", "statistics"}  # each its own: parameter_unit, output_unit
         assert data["parameter_unit"].sel(parameter="hsp.sun.mass") == "kg"
         assert json.loads(data.attrs["statistics"])["hsp.sun_planet.1"] == made[3].summary["forces"]["hsp.sun_planet.1"]
         assert {"ltcgear", "casadi", "numpy"} <= set(json.loads(data.attrs["versions"]))
@@ -190,7 +191,7 @@ def test_other_forms_are_refused(file, tmp_path, form, word):
         if form is not None:
             opened.setncattr("result_format", form)
 
-    assert f"{word} than form 1" in refusal(changed(file, tmp_path, change))
+    assert f"{word} than form {FORM}" in refusal(changed(file, tmp_path, change))
 
 
 def test_forms_that_are_no_number_are_told(file, tmp_path):

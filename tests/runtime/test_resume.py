@@ -75,9 +75,9 @@ FREE = (
 CASES = {
     **{method: (lambda: case("psh"), {"method": method, "rtol": 1e-5}) for method in METHODS},
     "smooth": (lambda: case("psh", SMOOTH), {"rate": 100e3}),
-    "oversampled": (lambda: case("psh"), {"oversample": 4}),
+    "raw": (lambda: case("psh"), {"raw": True}),
     "speed that turns back": (lambda: case("psh", *BACK), {"t_end": 0.1}),
-    "loads over time": (turning, {"oversample": 2, "t_end": 0.4}),
+    "loads over time": (turning, {"t_end": 0.4}),
 }
 
 
@@ -127,8 +127,8 @@ def test_a_snapshot_holds_all_that_moves(settings, most):
 def test_ctrl_c_keeps_a_result_and_what_it_takes_to_go_on(tmp_path):
     c, target = case("psh"), tmp_path / "a.nc"
     stop = {"told": lambda t: os.kill(os.getpid(), signal.SIGINT)}
-    write(c, tmp_path / "whole.nc", oversample=2)
-    summary = write(c, target, oversample=2, **stop)
+    write(c, tmp_path / "whole.nc")
+    summary = write(c, target, **stop)
     assert summary["status"].startswith("interrupted at t = ")
     assert summary["status"].endswith("--resume goes on")
     found = load(target).dataset
@@ -136,7 +136,7 @@ def test_ctrl_c_keeps_a_result_and_what_it_takes_to_go_on(tmp_path):
     assert 1 < found.sizes["time"] < 1001
     assert part_of(target).exists()
     assert checkpoint_of(target).exists()
-    assert write(c, target, oversample=2, resume=True)["status"] == "done"
+    assert write(c, target, resume=True)["status"] == "done"
     assert_same(load(target).dataset, load(tmp_path / "whole.nc").dataset)
 
 
@@ -178,8 +178,8 @@ def stopped(killed, tmp_path):
         ({"method": "cvodes"}, "method auto there, cvodes here"),
         ({"t_end": 0.06}, "t_end 0.05 there, 0.06 here"),
         ({"rate": 10e3}, "rate 20000.0 there, 10000.0 here"),
-        ({"oversample": 2}, "oversample 1 there, 2 here"),
-        ({"rtol": 1e-7, "t_end": 1.0, "rate": 1.0, "oversample": 2}, " and 1 more; "),
+        ({"raw": True}, "raw False there, True here"),
+        ({"rtol": 1e-7, "t_end": 1.0, "rate": 1.0, "raw": True}, " and 1 more; "),
     ],
 )
 def test_another_run_is_not_gone_on_with(stopped, change, reason):
@@ -202,6 +202,12 @@ def test_another_number_equation_or_version_is_told(stopped, monkeypatch):
     monkeypatch.setattr(checkpoint, "version", lambda name: "0.0")
     with pytest.raises(LtcgearError, match=r"version of ltcgear .* there, 0\.0 here"):
         write(c, target, resume=True)
+
+
+def test_parameters_that_another_processor_rounds_otherwise_are_the_same(stopped):
+    c, target = stopped
+    values = {name: value * (1 + 1e-15) for name, value in c.model.values().items()}
+    assert recording.record(c.library, values, target, t_end=0.05, rate=20e3, resume=True)["status"] == "done"
 
 
 @pytest.mark.parametrize("damage", [lambda data: b"", lambda data: data[: len(data) // 2], lambda data: b"x" * 999])
@@ -236,8 +242,8 @@ from time import sleep
 from ltcgear.runtime import cli, integration, recording, sampling
 integration.MARK_SECONDS, integration.SLICE, sampling.BLOCK = 0.01, 0.0, 64
 take = recording.Recorder.take
-recording.Recorder.take = lambda self, block: (sleep(0.005), take(self, block))  # time to be killed in
-sys.argv = ["ltcgear", "simulate", "psh", "--t-end", "1.5", "--oversample", "2", "-o", *sys.argv[1:]]
+recording.Recorder.take = lambda self, *given: (sleep(0.005), take(self, *given))  # time to be killed in
+sys.argv = ["ltcgear", "simulate", "psh", "--t-end", "1.5", "-o", *sys.argv[1:]]
 cli.main()
 """
 

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from importlib.util import find_spec
 from math import sqrt
 
@@ -204,6 +205,14 @@ def test_other_points_than_those_kept_are_refused():
     kept = draw_design(read_axes(["a=1:2"]), "lhs", 4, 1).to_json()
     with pytest.raises(LtcgearError, match="other versions of NumPy"):
         Design.from_json(kept | {"digest": "0"})
+
+
+def test_points_are_those_kept_up_to_last_bits():
+    design = draw_design(read_axes(["a=1:0.2"]), "normal", 400, 1)
+    other = replace(design, values=np.nextafter(design.values, np.inf))
+    assert (other.values != design.values).all()
+    assert other == design
+    assert Design.from_json(design.to_json() | {"digest": design._digest("<f8")}) == design
 
 
 def test_without_salib_the_extra_is_named(monkeypatch):

@@ -21,11 +21,11 @@ from .synthetic import make_dataset as make_result
 T_END, RATE = 0.03, 8192.0
 NAMES = [
     *METRICS,
-    *(f"{statistic}:acceleration_x:lsp.sun" for statistic in STATISTICS),
+    *(f"{statistic}:acceleration_x:lsp.planet.1" for statistic in STATISTICS),
     *(f"{statistic}:mesh_force" for statistic in STATISTICS),
     "mean:reference_angle",
     "max:pin_force_x",
-    "spectrum:acceleration:lsp.sun",
+    "spectrum:acceleration:lsp.planet.1",
     "spectrum:mesh_force:lsp.ring_planet.2",
 ]
 
@@ -69,21 +69,34 @@ def test_forces_are_those_of_the_summary(result, row):
     xr.testing.assert_identical(measure(loaded, ["forces"]), measure(result, ["forces"]))
 
 
+def test_a_member_that_symmetry_holds_at_rest_is_told_so(result):
+    """Opposite planets mesh in phase: what the sun is accelerated by is rounding, 1e-11 m/s^2."""
+    found = measure(result, ["max:acceleration_x:lsp.sun", "rms:acceleration_x:lsp.planet.1"])
+    assert float(found["max:acceleration_x:lsp.sun"]) == 0.0
+    assert float(found["rms:acceleration_x:lsp.planet.1"]) > 0.1
+
+
 def test_statistics_are_of_the_second_half(result, row):
-    signal = result.dataset["acceleration_x"].sel(member="lsp.sun").values
+    """Samples a hundred times as dense, weighted as the motion is, say the same."""
+    found = case("lsp")
+    dense = simulate(found.library, found.model.values(), t_end=T_END, rate=100 * RATE, method="erk", raw=True)
+    signal = dense.dataset["acceleration_x"].sel(member="lsp.planet.1").values
     half = signal[signal.size // 2 :]
+    weights = np.sin(np.pi * np.arange(half.size) / (half.size - 1)) ** 4
+    mean = np.average(half, weights=weights)
     by_hand = {
-        "mean": half.sum() / half.size,
-        "min": sorted(half)[0],
-        "max": sorted(half)[-1],
-        "rms": np.sqrt(np.dot(half, half) / half.size),
-        "std": np.sqrt(np.dot(half - half.mean(), half - half.mean()) / half.size),
-        "peak_to_peak": sorted(half)[-1] - sorted(half)[0],
+        "mean": mean,
+        "min": half.min(),
+        "max": half.max(),
+        "rms": np.sqrt(np.average(half**2, weights=weights)),
+        "std": np.sqrt(np.average((half - mean) ** 2, weights=weights)),
+        "peak_to_peak": np.ptp(half),
     }
     for statistic, value in by_hand.items():
-        assert float(row[f"{statistic}:acceleration_x:lsp.sun"]) == pytest.approx(value, rel=1e-12)
-    pins = result.dataset["pin_force_x"].values[signal.size // 2 :]
-    assert row["max:pin_force_x"].values == pytest.approx(pins.max(axis=0))
+        near = (1e-2 if statistic in ("min", "max", "peak_to_peak") else 2e-3) * half.std()
+        assert float(row[f"{statistic}:acceleration_x:lsp.planet.1"]) == pytest.approx(value, abs=near)
+    pins = dense.dataset["pin_force_x"].values[half.size :]
+    assert row["max:pin_force_x"].values == pytest.approx(pins.max(axis=0), abs=1e-2 * np.ptp(pins))
     assert row["max:pin_force_x"].dims == ("pin",)
 
 

@@ -37,8 +37,7 @@ static int read_outputs(ltcgear_run *run, double time, const double *x, const do
   run->output.res[0] = y;
   call(&run->output, x, m->s_now, m->p);
   hold(m);
-  for (whole c = 0; c < model->n_clocks; ++c)
-    if (model->clocks[c].output >= 0) y[model->clocks[c].output] += (double)run->cycles[c];
+  add_cycles(run, y);
   return all_finite(model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 
@@ -62,7 +61,7 @@ static int hand_on(ltcgear_run *run, const taker *t, double *last) {
  * what is missing is made up for with the next one. */
 static void meet(march *m, double until) {
   double missing = until - m->time;
-  if (!(missing > 0) || missing > 1e-12 * m->reached) return;
+  if (!(missing > 0) || missing > lateness(m)) return;
   m->time = until, m->unpassed -= missing;
 }
 

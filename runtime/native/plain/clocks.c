@@ -26,6 +26,15 @@ static void set_clocks(ltcgear_run *run) {
     run->m.p[clock[c].start] += clock[c].unit * ((double)run->rest[c] / (double)clock[c].below);
 }
 
+/* Add the cycles that were taken off to the phases that are told. */
+static void add_cycles(const ltcgear_run *run, double *y) {
+  for (whole c = 0; c < run->model->n_clocks; ++c) {
+    const ltcgear_clock *clock = run->model->clocks + c;
+    if (clock->mesh_phase >= 0) y[clock->mesh_phase] += (double)run->cycles[c];
+    if (clock->gear_phase >= 0) y[clock->gear_phase] += (double)run->cycles[c];
+  }
+}
+
 static void take_turns_off(ltcgear_run *run) {
   march *m = &run->m;
   whole more = (whole)(reference_angle(m) / TURN * (1 + 4 * DBL_EPSILON));

@@ -83,10 +83,7 @@ int ltcgear_outputs(ltcgear_run *run, double time, const double *x, double *y) {
   pose_states(run, time, x);
   run->output.res[0] = y;
   call(&run->output, run->m.x, run->m.s, run->m.p);
-  for (whole c = 0; c < run->model->n_clocks; ++c) {
-    whole place = run->model->clocks[c].output;
-    if (place >= 0) y[place] += (double)run->cycles[c];
-  }
+  add_cycles(run, y);
   return all_finite(run->model->n_outputs, y) ? DONE : NOT_FINITE;
 }
 

@@ -44,9 +44,10 @@ typedef struct {
 
 /* What follows the reference angle without end, a mesh phase [cycles] or an angle [rad]: in one turn of the reference it
  * goes on by ``cycles`` whole ones and step / below more; whole periods, modulus / below cycles each, are left out of
- * its start (a parameter). Level and output are those of its mesh, -1 where it has none. */
+ * its start (a parameter). Level and phases (outputs) are those of its mesh, -1 where it has none or another clock
+ * counts for it. */
 typedef struct {
-  ltcgear_whole start, level, output, step, below, modulus, cycles, period;
+  ltcgear_whole start, level, mesh_phase, gear_phase, step, below, modulus, cycles, period;
   double unit;
 } ltcgear_clock;
 
