@@ -113,8 +113,11 @@ def test_a_changed_parameter_changes_equilibrium_and_motion(rig):
 
 def test_loads_over_time_and_backlash(start_up):
     found, path, _ = start_up
-    out, _ = execute(path)
-    agree(out, means(found))
+    agree(execute(path, "1")[0], means(found, 1.0))
+    printed, due = forces_of(execute(path)[0]), {mesh: row[0] for mesh, row in means(found).items()}
+    # In the end teeth rattle, and forget how they began: means are of the same size, and last digits part.
+    assert printed == pytest.approx(due, abs=1e-3 * max(due.values()))
+    assert min(due.values()) > 10
 
 
 def test_a_program_needs_the_c_library_only(rig):
