@@ -196,7 +196,8 @@ class March:
         share("origin", self.frame.origin)
         share("scale", self.frame.scale)
         lowest, steady = np.full(len(forces), np.inf), np.full((2, len(forces)), np.nan)
-        self.extremes = MeshExtremes(share("lowest", lowest), share("steady", steady), state.end / 2)
+        state.span_from = state.end / 2
+        self.extremes = MeshExtremes(share("lowest", lowest), share("steady", steady), state.span_from)
         sizes: dict[str, Any] = {
             **dict.fromkeys(("zeros", "x", "y", "y_after", "trial", "rate", "z_near", "z_far"), n),
             **dict.fromkeys(("now", "after", "ahead"), 3 * meshes),

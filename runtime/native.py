@@ -16,8 +16,8 @@ from .library import Library, load
 from .switching import AT_BORDER
 
 SOURCES = (
-    "head.c", "switching.c", "regimes.c", "extremes.c", "erk.c", "points.c", "march.c", "rows.c", "filter.c",
-    "adjoint.c",
+    "head.c", "switching.c", "regimes.c", "extremes.c", "sums.c", "erk.c", "points.c", "march.c", "rows.c",
+    "filter.c", "adjoint.c",
 )  # fmt: skip
 NEEDED = "simulating needs a C compiler, and none was found; install gcc or clang, or name one with CC"
 FAULTS = (
@@ -37,8 +37,9 @@ STOPPED = len(FAULTS) - 1
 SHARED = (
     # sizes, places and numbers that stay
     ("fixed", "whole", "n n_levels n_signals n_holds n_nodes n_forces angle speed free held uniform finds_borders"),
-    ("fixed", "whole", "last capacity most_steps most_points point_room"),
+    ("fixed", "whole", "last capacity most_steps most_points point_room summed"),
     ("fixed", "real", "rtol shortest widest unresolved held_speed held_value end sampling turning passing"),
+    ("fixed", "real", "span_from span_to"),
     ("fixed", "reals", "origin scale points last_terms weights fine error slack zeros"),
     ("fixed", "reals", "rule_at rule_weight rule_motion rule_filter"),
     ("fixed", "wholes", "hold_index"),
@@ -59,6 +60,7 @@ SHARED = (
     ("passing", "reals", "sample_x sample_time sample_levels sample_steps s path node_work x y y_after trial"),
     ("passing", "reals", "point_x point_time point_weight point_levels"),
     ("passing", "reals", "stages power rate balance forces seen_time seen_forces arc_lowest arc_steady"),
+    ("passing", "reals", "stage_forces arc_sums sums"),
     ("passing", "reals", "now after ahead gain"),
     ("passing", "reals", "s_now s_end signals_end z_near z_far g_now g_start g_slope g_noise node_values fine_values"),
     ("passing", "wholes", "changed arc_cells"),

@@ -45,6 +45,7 @@ typedef struct {
   whole most_steps;
   whole most_points;
   whole point_room;
+  whole summed;
   double rtol;
   double shortest;
   double widest;
@@ -55,6 +56,8 @@ typedef struct {
   double sampling;
   double turning;
   double passing;
+  double span_from;
+  double span_to;
   double *origin;
   double *scale;
   double *points;
@@ -133,6 +136,9 @@ typedef struct {
   double *seen_forces;
   double *arc_lowest;
   double *arc_steady;
+  double *stage_forces;
+  double *arc_sums;
+  double *sums;
   double *now;
   double *after;
   double *ahead;
@@ -157,6 +163,8 @@ typedef struct {
 /* The march: an integration under way, segment by segment of smooth motion between switching instants. This text is
  * compiled once; all that belongs to a model comes by pointers. The structure ``march`` stands before it, written from
  * the one list of its fields. */
+
+#define TURN 6.283185307179586
 
 enum { DONE, NOT_FINITE, TOO_SMALL, TOO_MANY, TOGETHER, NOT_LOCATED, BESIDE, UNBOUNDED, STOPPED };
 
@@ -613,9 +621,9 @@ static void note_forces(march *m, double time) {
   t[2] = time;
   for (whole i = 0; i < count; ++i) {
     double force = m->forces[i];
-    note(m, i, force, m->time + time >= m->end / 2);
+    note(m, i, force, m->time + time >= m->span_from);
     if (m->seen >= 2 && (two[i] - one[i]) * (force - two[i]) < 0)
-      note(m, i, vertex(t, one[i], two[i], force), m->time + t[1] >= m->end / 2);
+      note(m, i, vertex(t, one[i], two[i], force), m->time + t[1] >= m->span_from);
     one[i] = two[i], two[i] = force;
   }
   t[0] = t[1], t[1] = time;
@@ -646,6 +654,52 @@ static void keep_extremes(march *m) {
     m->steady[i] = fmin(m->steady[i], m->arc_steady[i]);
     m->steady[count + i] = fmax(m->steady[count + i], m->arc_steady[count + i]);
   }
+}
+
+/* Sums of the mesh forces over a span of time, by the quadrature of the explicit method itself, as the work is: the forces
+ * at its stages are there anyway. Momentum changes by the same sum, so a mean is as accurate as the motion. */
+
+enum { NONE, ALIKE, TAPERED }; /* ``summed``: which instants of the span count, all alike or under weights */
+
+/* The weight of an instant: 1, or sin(pi s)^4 as in averages.py. */
+static double weight_at(const march *m, double time) {
+  if (m->summed == ALIKE) return 1.0;
+  double part = (time - m->span_from) / (m->span_to - m->span_from), root = sin(TURN / 2 * part);
+  return part > 0 && part < 1 ? root * root * root * root : 0.0;
+}
+
+/* The forces where a step begins are those where the one before has ended. */
+static void begin_step(march *m) { memcpy(m->stage_forces, m->forces, (size_t)m->n_forces * sizeof *m->forces); }
+
+/* Begin an arc: its sums count only once it is sure that the motion goes along it. */
+static void begin_sums(march *m) {
+  memset(m->arc_sums, 0, (size_t)(1 + 2 * m->n_forces) * sizeof *m->arc_sums);
+  begin_step(m);
+}
+
+/* Add a step, with the nodes and shares of the method, to the sums of weights, of the forces and of their squares. */
+static void add_step(march *m, double start, double h, const double *node, const double *share) {
+  const whole count = m->n_forces;
+  double weight[STAGES], *restrict one = m->arc_sums + 1, *restrict two = one + count;
+  for (int j = 0; j < STAGES - 1; ++j) {
+    weight[j] = h * share[j] * weight_at(m, m->time + start + node[j] * h);
+    m->arc_sums[0] += weight[j];
+  }
+  for (whole i = 0; i < count; ++i) {
+    double sum = 0, square = 0;
+    for (int j = 0; j < STAGES - 1; ++j) {
+      double force = m->stage_forces[j * count + i], part = weight[j] * force;
+      sum += part;
+      square += part * force;
+    }
+    one[i] += sum, two[i] += square;
+  }
+  begin_step(m);
+}
+
+/* Keep what an arc has added. */
+static void keep_sums(march *m) {
+  for (whole i = 0; m->summed && i < 1 + 2 * m->n_forces; ++i) m->sums[i] += m->arc_sums[i];
 }
 
 /* The explicit Runge-Kutta pair 5(4) of Tsitouras (Computers and Mathematics with Applications 62, 2011), with its dense
@@ -768,6 +822,7 @@ static int advance_erk(march *m, double duration) {
   begin_extremes(m);
   if (motion_at(m, 0, y, k, power, m->forces)) return NOT_FINITE;
   note_forces(m, 0);
+  if (m->summed) begin_sums(m);
   double step = m->step > 0 ? m->step : first_step(m, duration, y);
   int rejected = 0;
   while (t < duration) {
@@ -776,7 +831,8 @@ static int advance_erk(march *m, double duration) {
     if (!(h > SMALLEST * duration)) return TOO_SMALL;
     if (++steps > m->most_steps) return TOO_MANY;
     for (int j = 1; j < STAGES; ++j) {
-      double *at = j == STAGES - 1 ? after : m->trial, *forces = j == STAGES - 1 ? m->forces : 0;
+      double *at = j == STAGES - 1 ? after : m->trial, *forces = m->summed ? m->stage_forces + j * m->n_forces : 0;
+      if (j == STAGES - 1) forces = m->forces;
       combine(m, j, A[j], h, y, at);
       if (motion_at(m, t + NODE[j] * h, at, k + j * n, power + j, forces)) return NOT_FINITE;
     }
@@ -800,6 +856,7 @@ static int advance_erk(march *m, double duration) {
     /* A step that was shortened to divide what was left says nothing against the longer one. */
     step = h * factor < step && factor >= 1 ? step : h * factor;
     work += gained;
+    if (m->summed) add_step(m, t, h, NODE, WEIGHT);
     t = last ? duration : t + h;
     note_forces(m, t);
     double *other = y;
@@ -865,7 +922,6 @@ static int take_points(march *m, double start) {
 
 #define TRIALS 30      /* how often a segment may be cut before it ends on a border */
 #define STANDING 1e-6  /* speed over the largest of an arc below which a free train stands still */
-#define TURN 6.283185307179586
 #define FAR 1e12       /* times the size of vibrations: kilometres, for gears */
 
 /* Put in the reference angle, which a held speed makes known: no tolerance then moves a switching. */
@@ -1019,6 +1075,7 @@ static int arrive(march *m) {
   const double start = m->time;
   int fault;
   keep_extremes(m);
+  keep_sums(m);
   memcpy(m->arc_cells, m->cells, (size_t)m->n_levels * sizeof *m->cells);
   memcpy(m->arc_sides, m->sides, (size_t)m->n_holds);
   change_sides(m, m->new_sides);
@@ -1082,55 +1139,6 @@ EXPORTED int ltcgear_march(march *m, whole segments, double seconds) {
   return DONE;
 }
 
-/* Sums over points of a motion: filtered samples, and means. */
-
-/* Add the share of a point, ``ahead`` samples after the first row, in all rows that its filter reaches. The table holds
- * the filter: for each part of a sample, its values at the rows about the point. */
-static void spread(whole width, whole reach, whole fine, const double *restrict table, double ahead, double weight,
-                   double side, const double *restrict y, double *restrict rows, double *restrict weights) {
-  double first = ceil(ahead - (double)reach), place = (first - (ahead - (double)reach)) * (double)fine;
-  whole low = (whole)smaller(place, (double)fine - 1), row = (whole)first;
-  double part = place - (double)low;
-  const double *one = table + 2 * reach * low, *two = one + 2 * reach;
-  for (whole j = 0; j < 2 * reach; ++j) {
-    double share = weight * (one[j] + part * (two[j] - one[j])), signed_share = side * share;
-    if (row + j < 0) continue;
-    double *restrict to = rows + (row + j) * width;
-    for (whole i = 0; i < width; ++i) to[i] += signed_share * y[i];
-    weights[row + j] += share;
-  }
-}
-
-/* Add the shares of points to rows, the first of which is row ``first``: ``at`` is each one's place [samples]. Where the
- * motion begins it is continued by its image through the first point, so that neither value nor slope jumps there. */
-EXPORTED void ltcgear_filter(whole points, whole width, whole reach, whole fine, const double *table, const double *at,
-                             const double *weight, const double *y, whole first, double *rows, double *weights) {
-  for (whole k = 0; k < points; ++k) {
-    const double *now = y + k * width;
-    spread(width, reach, fine, table, at[k] - (double)first, weight[k], 1.0, now, rows, weights);
-    if (at[k] < (double)reach && first <= 0)
-      spread(width, reach, fine, table, -at[k] - (double)first, weight[k], -1.0, now, rows, weights);
-  }
-}
-
-/* Add points to the sums of their weights, of values and of squares, and to the extremes; five rows of ``width``. */
-EXPORTED void ltcgear_sums(whole points, whole width, const double *weight, const double *y, double *sums) {
-  double *restrict whole_weight = sums, *restrict one = sums + width, *restrict two = one + width;
-  double *restrict low = two + width, *restrict high = low + width;
-  for (whole k = 0; k < points; ++k) {
-    const double *restrict now = y + k * width;
-    const double share = weight[k];
-    for (whole i = 0; i < width; ++i) {
-      const double value = now[i];
-      whole_weight[i] += share;
-      one[i] += share * value;
-      two[i] += share * value * value;
-      low[i] = smaller(value, low[i]);
-      high[i] = larger(value, high[i]);
-    }
-  }
-}
-
 #include "ltcgear.h"
 
 #define SHORTEST 0.015625
@@ -1182,7 +1190,7 @@ static const char *const REASON[] = {
     "a mass or an inertia must be positive",
     "a stiffness or a damping must not be negative",
     "a share must lie between 0 and 1",
-    "the time lies behind, or the samples are none",
+    "the time lies behind, or there is no time or sample up to it",
     "there is no memory left",
     "nothing can vibrate: every freedom of the scene is held",
     "no equilibrium: nothing holds a member against the loads",
@@ -1263,6 +1271,7 @@ static void lay_out(ltcgear_run *run, room *r) {
   m->fine = reals(r, holds ? (FINE + 1) * nodes : 0), m->fine_values = reals(r, (FINE + 1) * holds);
   m->error = reals(r, n * holds), m->node_values = reals(r, nodes * holds);
   m->power = reals(r, STAGES), m->balance = reals(r, 5), m->seen_time = reals(r, 3);
+  m->stage_forces = reals(r, STAGES * forces), m->sums = reals(r, 1 + 2 * forces), m->arc_sums = reals(r, 1 + 2 * forces);
   run->y = reals(r, model->n_outputs);
   EACH(whole, wholes, meshes, &m->cells, &m->last_turn, &m->changed, &m->arc_cells);
   EACH(whole, wholes, model->n_clocks, &run->rest, &run->cycles);
@@ -1311,7 +1320,7 @@ static void set_sizes(ltcgear_run *run, double rtol) {
   m->n_forces = model->n_forces, m->angle = model->angle, m->free = model->free_speed;
   m->speed = model->speed_signal, m->held = model->speed_held;
   m->hold_index = (whole *)model->holds; /* which is only read */
-  m->end = INFINITY;
+  m->end = m->span_from = INFINITY;
   stop_sampling(m);
   m->rtol = rtol, m->unresolved = larger(rtol, FINEST);
   m->held_value = HELD, m->most_steps = MOST_STEPS;
@@ -2088,6 +2097,7 @@ int ltcgear_restore(ltcgear_run *run, const void *from) {
 /* A run under way: from knot to knot of the loads and from turn to turn of the reference. */
 
 #define CAPACITY 512 /* samples that wait to be taken; no segment holds more than half of them */
+#define PARTS 64     /* segments of a span whose weights fall to zero at its ends, at least */
 
 /* Who takes samples, where, and what a march may go back to: the run as it was before the samples that wait. */
 typedef struct {
@@ -2160,23 +2170,32 @@ static void go_back(ltcgear_run *run, const taker *t, double sample) {
   go_on(run, sample, 0);
 }
 
-/* March to a time. A segment holds no more samples than there is room for. */
+/* Set how long segments may be: they hold no more samples than there is room for, and weights hardly change in one. Return
+ * where the next one ends at the latest: where a span of weights begins, if it is so short that this counts. */
+static double limit_segment(ltcgear_run *run, double until, const taker *t) {
+  march *m = &run->m;
+  const double part = m->summed == TAPERED ? (m->span_to - m->span_from) / PARTS : INFINITY;
+  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
+  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
+  if (m->time >= m->span_from) m->widest = smaller(m->widest, part);
+  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
+  return m->time < m->span_from && m->longest > part ? m->span_from : until;
+}
+
+/* March to a time. */
 static int go_on(ltcgear_run *run, double until, const taker *t) {
   march *m = &run->m;
   if (!run->started) return NOT_STARTED;
   if (!isfinite(until)) return NOT_A_NUMBER;
   if (until < m->time) return NOT_AHEAD;
-  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
-  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
-  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
   while (m->time < until) {
-    double last;
+    double last, stop = limit_segment(run, until, t);
     if (t) pass_run(run, &(passage){t->before, 0, SAVING});
-    begin_leg(run, until);
+    begin_leg(run, stop);
     int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t, &last) : DONE;
     if (taken) go_back(run, t, last);
     if (taken || fault) return taken ? taken : fault;
-    meet(m, until);
+    meet(m, stop);
   }
   return DONE;
 }
@@ -2221,6 +2240,47 @@ ltcgear_whole ltcgear_steps(const ltcgear_run *run) { return run->m.steps; }
 ltcgear_whole ltcgear_switchings(const ltcgear_run *run) { return run->m.events; }
 
 double ltcgear_expected_steps(const ltcgear_run *run, double seconds) { return seconds * run->quickest / REACH; }
+
+/* Statistics of the mesh forces over a span of time: their sums along the motion (sums.c), and their extremes. */
+
+/* Say whether a span lies ahead, and whether its instants can be told apart where that counts. */
+static int fault_of_span(const ltcgear_run *run, double from, double until, int summed) {
+  if (!run->started) return NOT_STARTED;
+  if (!isfinite(from) || !isfinite(until)) return NOT_A_NUMBER;
+  const double least = summed == TAPERED ? PARTS * DBL_EPSILON * larger(fabs(from), fabs(until)) : 0;
+  return from >= run->m.time && until - from > least ? DONE : NOT_AHEAD;
+}
+
+/* March to the end of a span, and sum up over it. */
+static int sum_up(ltcgear_run *run, double from, double until, int summed) {
+  march *m = &run->m;
+  memset(m->sums, 0, (size_t)(1 + 2 * m->n_forces) * sizeof *m->sums);
+  for (whole i = 0; i < 2 * m->n_forces; ++i) m->steady[i] = NAN;
+  m->span_from = from, m->span_to = until, m->summed = summed;
+  int fault = go_on(run, until, 0);
+  m->span_from = INFINITY, m->summed = NONE;
+  return fault;
+}
+
+static int measure(ltcgear_run *run, double from, double until, int summed, ltcgear_statistics *of) {
+  const march *m = &run->m;
+  int fault = fault_of_span(run, from, until, summed);
+  if (!fault) fault = sum_up(run, from, until, summed);
+  for (whole i = 0; !fault && i < m->n_forces; ++i) {
+    of[i].mean = m->sums[1 + i] / m->sums[0];
+    of[i].rms = sqrt(larger(0.0, m->sums[1 + m->n_forces + i] / m->sums[0]));
+    of[i].least = m->steady[i] + 0.0, of[i].most = m->steady[m->n_forces + i] + 0.0; /* no -0 */
+  }
+  return fault;
+}
+
+int ltcgear_measure(ltcgear_run *run, double until, ltcgear_statistics *of) {
+  return measure(run, run->m.time, until, ALIKE, of);
+}
+
+int ltcgear_measure_steady(ltcgear_run *run, double from, double until, ltcgear_statistics *of) {
+  return measure(run, from, until, TAPERED, of);
+}
 
 /* For integrators of other people: rates with everything held that would bend or jump, indicators that tell when that is
  * no longer right, and the events at which it changes. Both ways over a border it is passed a little late, by a margin in

@@ -110,6 +110,20 @@ int ltcgear_advance(ltcgear_run *run, double until);
 typedef int (*ltcgear_taker)(void *to, double time, const double *x, const double *y);
 int ltcgear_record(ltcgear_run *run, double until, double rate, ltcgear_taker take, void *to);
 
+/* Statistics of a mesh force along the motion [N]: mean, root mean square, and the extremes of the integrator's own steps,
+ * both sides of every jump included. They are integrals, not means of samples, which hang on the sampling rate. */
+typedef struct {
+  double mean, rms, least, most;
+} ltcgear_statistics;
+
+/* Integrate to a time, and write the statistics of all mesh forces since the present, in the order of model->forces. All
+ * instants count alike, so the means of spans that follow each other add up to that of the whole. */
+int ltcgear_measure(ltcgear_run *run, double until, ltcgear_statistics *of);
+
+/* The same from a time ahead on, as simulate takes them over the second half of a run: under weights sin(pi s)^4, s from 0
+ * to 1 over the span, so that parts of a period at its ends do not count. Where either fails, nothing is written. */
+int ltcgear_measure_steady(ltcgear_run *run, double from, double until, ltcgear_statistics *of);
+
 /* Time [s], states, and outputs of the present; whole turns of angles and cycles of mesh phases included. Where a mesh
  * switches just now, outputs are those before it. */
 double ltcgear_time(const ltcgear_run *run);

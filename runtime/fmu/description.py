@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .units import exponents
-from .variables import Interface, Variable
+from .variables import OUTPUTS, Interface, Variable
 
 CONTROL = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]")
 LOGGED = {"logStatusError": "what was refused, and why", "logStatusDiscard": "why a step could not be finished"}
@@ -79,7 +79,7 @@ def _simulation(head: Head, interface: Interface) -> str:
     structure = ET.SubElement(root, "ModelStructure")
     for section in ("Outputs", "InitialUnknowns"):  # states of a co-simulation are nobody else's, and no unknowns
         inside = ET.SubElement(structure, section)
-        for variable in interface.of("output", "angle", "count"):
+        for variable in interface.of(*OUTPUTS):
             ET.SubElement(inside, "Unknown", index=index[variable.reference])
     return _text(root)
 
@@ -98,9 +98,9 @@ def _exchange(head: Head, interface: Interface) -> str:
         ET.SubElement(listed, "Float64", place | _roles(variable) | _numbers(variable))
     structure = ET.SubElement(root, "ModelStructure")
     sections = {
-        "Output": interface.of("output", "angle", "count"),
+        "Output": interface.of(*OUTPUTS),
         "ContinuousStateDerivative": interface.of("rate"),
-        "InitialUnknown": interface.of("state", "rate", "output", "angle", "count"),
+        "InitialUnknown": interface.of("state", "rate", *OUTPUTS),
         "EventIndicator": interface.of("indicator"),
     }
     for section, variables in sections.items():

@@ -20,7 +20,7 @@ from .binary import compile_fmu, platform_of, require_compiler
 from .description import Head, describe, describe_build
 from .names import identify
 from .sources import write_sources, write_variables
-from .variables import Interface
+from .variables import OUTPUTS, Interface
 
 CO_SIMULATION, MODEL_EXCHANGE = "co-simulation", "model-exchange"
 VERSIONS = {CO_SIMULATION: "2.0", MODEL_EXCHANGE: "3.0"}
@@ -89,8 +89,8 @@ def write_fmu(
     head = Head(name, title, identify(name), "", f"ltcgear {version('ltcgear')}", t_end, RTOL, 1 / rate, ())
     token, files = _write_files(library, run, interface, head, system)
     _pack(path, files)
-    counts = {kind: len(interface.of(kind)) for kind in ("parameter", "input", "output", "state", "indicator")}
-    counts["output"] += len(interface.of("angle", "count"))
+    kinds = {kind: (kind,) for kind in ("parameter", "input", "output", "state", "indicator")} | {"output": OUTPUTS}
+    counts = {kind: len(interface.of(*members)) for kind, members in kinds.items()}
     return {
         "file": str(path), "kind": kind, "fmi": VERSIONS[kind], "token": token, "variables": counts,
         "inputs": [variable.name for variable in interface.of("input")],

@@ -17,12 +17,16 @@ from ..quantities import LONG_NAMES
 from ..scaling import vibration_scale
 from .names import structure
 
-KINDS = ("time", "state", "rate", "parameter", "output", "angle", "count", "indicator", "input")
+KINDS = ("time", "state", "rate", "parameter", "output", "angle", "count", "statistic", "indicator", "input")
 """Kinds of variables, in the order of the C's enumeration."""
 COUNTS = {
     "switchings": "tooth pairs that have come or gone so far",
     "regime_changes": "contacts that have opened or closed, and friction forces that have turned, so far",
 }
+STATISTICS = {"mean": "mean", "rms": "root mean square", "min": "least", "max": "largest"}
+"""Statistics of a mesh force over a communication step, in the order of the C's structure."""
+OUTPUTS = ("output", "angle", "count", "statistic")
+"""Kinds that are outputs of the FMU."""
 OVER_TIME = "_over_time"
 INITIAL_SPEED = "reference.initial_speed"
 DUTY = "the user's duty: the rate of the speed beside it, zero while that is constant"
@@ -173,6 +177,15 @@ class Interface:
     def _counts(self, first: int) -> Iterator[Variable]:
         for i, (name, text) in enumerate(COUNTS.items(), start=first):
             yield Variable("count", name, i, "", "output", "discrete", "calculated", description=text)
+
+    def _statistics(self, first: int) -> Iterator[Variable]:
+        forces = [r for r in self.manifest.reports if r.quantity == "mesh_force" and not self.exchange]
+        pairs = ((force, name, text) for force in forces for name, text in STATISTICS.items())
+        for i, (force, name, text) in enumerate(pairs, start=first):
+            yield Variable(
+                "statistic", f"{structure(force.item)}.{force.quantity}_{name}", i, force.unit, "output", "discrete",
+                "calculated", description=f"{text} of the mesh force over the last communication step",
+            )  # fmt: skip
 
     def _indicators(self, first: int) -> Iterator[Variable]:
         if not self.exchange:

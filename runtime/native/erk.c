@@ -118,6 +118,7 @@ static int advance_erk(march *m, double duration) {
   begin_extremes(m);
   if (motion_at(m, 0, y, k, power, m->forces)) return NOT_FINITE;
   note_forces(m, 0);
+  if (m->summed) begin_sums(m);
   double step = m->step > 0 ? m->step : first_step(m, duration, y);
   int rejected = 0;
   while (t < duration) {
@@ -126,7 +127,8 @@ static int advance_erk(march *m, double duration) {
     if (!(h > SMALLEST * duration)) return TOO_SMALL;
     if (++steps > m->most_steps) return TOO_MANY;
     for (int j = 1; j < STAGES; ++j) {
-      double *at = j == STAGES - 1 ? after : m->trial, *forces = j == STAGES - 1 ? m->forces : 0;
+      double *at = j == STAGES - 1 ? after : m->trial, *forces = m->summed ? m->stage_forces + j * m->n_forces : 0;
+      if (j == STAGES - 1) forces = m->forces;
       combine(m, j, A[j], h, y, at);
       if (motion_at(m, t + NODE[j] * h, at, k + j * n, power + j, forces)) return NOT_FINITE;
     }
@@ -150,6 +152,7 @@ static int advance_erk(march *m, double duration) {
     /* A step that was shortened to divide what was left says nothing against the longer one. */
     step = h * factor < step && factor >= 1 ? step : h * factor;
     work += gained;
+    if (m->summed) add_step(m, t, h, NODE, WEIGHT);
     t = last ? duration : t + h;
     note_forces(m, t);
     double *other = y;

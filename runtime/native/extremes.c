@@ -31,9 +31,9 @@ static void note_forces(march *m, double time) {
   t[2] = time;
   for (whole i = 0; i < count; ++i) {
     double force = m->forces[i];
-    note(m, i, force, m->time + time >= m->end / 2);
+    note(m, i, force, m->time + time >= m->span_from);
     if (m->seen >= 2 && (two[i] - one[i]) * (force - two[i]) < 0)
-      note(m, i, vertex(t, one[i], two[i], force), m->time + t[1] >= m->end / 2);
+      note(m, i, vertex(t, one[i], two[i], force), m->time + t[1] >= m->span_from);
     one[i] = two[i], two[i] = force;
   }
   t[0] = t[1], t[1] = time;

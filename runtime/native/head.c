@@ -2,6 +2,8 @@
  * compiled once; all that belongs to a model comes by pointers. The structure ``march`` stands before it, written from
  * the one list of its fields. */
 
+#define TURN 6.283185307179586
+
 enum { DONE, NOT_FINITE, TOO_SMALL, TOO_MANY, TOGETHER, NOT_LOCATED, BESIDE, UNBOUNDED, STOPPED };
 
 /* The larger and the smaller of two; the second one where either is no number. */

@@ -2,7 +2,6 @@
 
 #define TRIALS 30      /* how often a segment may be cut before it ends on a border */
 #define STANDING 1e-6  /* speed over the largest of an arc below which a free train stands still */
-#define TURN 6.283185307179586
 #define FAR 1e12       /* times the size of vibrations: kilometres, for gears */
 
 /* Put in the reference angle, which a held speed makes known: no tolerance then moves a switching. */
@@ -156,6 +155,7 @@ static int arrive(march *m) {
   const double start = m->time;
   int fault;
   keep_extremes(m);
+  keep_sums(m);
   memcpy(m->arc_cells, m->cells, (size_t)m->n_levels * sizeof *m->cells);
   memcpy(m->arc_sides, m->sides, (size_t)m->n_holds);
   change_sides(m, m->new_sides);

@@ -10,10 +10,10 @@ from ..native import FAULTS, FIELDS, SOURCES, source
 
 PARTS = (
     "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "saving.c", "advance.c",
-    "events.c",
+    "statistics.c", "events.c",
 )  # fmt: skip
 """What follows the march in ltcgear.c."""
-UNUSED = ("rows.c", "adjoint.c")
+UNUSED = ("rows.c", "filter.c", "adjoint.c")
 """Parts of the march's C that a simulation does not need."""
 HOME = Path(march.__file__).parent / "native" / "plain"
 HEAD = """/* The integration of a gearbox that ltcgear has turned into C, see ltcgear.h; the same for all scenes. */

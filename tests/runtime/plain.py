@@ -78,7 +78,7 @@ def execute(path: Path, *arguments: str, code: int = 0) -> tuple[str, str]:
 
 
 def forces(out: str) -> dict[str, np.ndarray]:
-    """Mesh -> mean, least and most force [N], load factor, as the example prints them."""
+    """Mesh -> mean, root mean square, least and most force [N], load factor, as the example prints them."""
     rows = [line.split() for line in out.splitlines()[2:]]
     return {row[0]: np.array(row[1:], dtype=float) for row in rows}
 
@@ -97,7 +97,8 @@ class Plain:
             ("state", None, (handle, handle)), ("read", int, (handle, handle)), ("size", ctypes.c_size_t, (handle,)),
             ("save", None, (handle, handle)), ("restore", int, (handle, handle)), ("steps", whole, (handle,)),
             ("switchings", whole, (handle,)), ("record", int, (handle, real, real, TAKER, handle)),
-            ("reason", ctypes.c_char_p, (ctypes.c_int,)),
+            ("reason", ctypes.c_char_p, (ctypes.c_int,)), ("measure", int, (handle, real, handle)),
+            ("measure_steady", int, (handle, real, real, handle)),
         ):  # fmt: skip
             function = getattr(code, f"ltcgear_{name}")
             function.argtypes, function.restype = arguments, ctypes.c_int if result is int else result
@@ -141,6 +142,15 @@ class One:
         y = np.zeros(len(self.found.library.manifest.reports))
         assert self.read(y.ctypes.data) == 0
         return y
+
+    def measured(self, until: float, start: float | None = None) -> np.ndarray:
+        """Statistics of all mesh forces, as ``ltcgear_statistics`` has them, shape (meshes, 4)."""
+        meshes = sum(report.quantity == "mesh_force" for report in self.found.library.manifest.reports)
+        of = np.full((meshes, 4), np.nan)
+        given = (until, of.ctypes.data)
+        status = self.measure(*given) if start is None else self.measure_steady(start, *given)
+        assert status == 0, self.plain.reasoned(status)
+        return of
 
     def saved(self) -> bytes:
         room = ctypes.create_string_buffer(self.size())

@@ -125,6 +125,29 @@ static int test_lost_states(void) {
   return 0;
 }
 
+/* Statistics are the same from the same bytes, and nothing of them is left behind. */
+static int test_statistics(void) {
+  ltcgear_statistics one[8] = {{0}}, two[8] = {{0}};
+  ltcgear_run *run = ltcgear_create(model, 1e-6), *other = ltcgear_create(model, 1e-4);
+  unsigned char *kept = malloc(ltcgear_size(run));
+  CHECK(model->n_forces <= 8 && ltcgear_measure(run, END, one) && !ltcgear_start(run, 0));
+  CHECK(!ltcgear_advance(run, END / 4));
+  ltcgear_save(run, kept);
+  CHECK(!ltcgear_measure_steady(run, END / 2, END, one) && !ltcgear_measure(run, 1.1 * END, two));
+  CHECK(memcmp(one, two, sizeof one) && one[0].least <= one[0].mean && one[0].mean <= one[0].most);
+  CHECK(!ltcgear_restore(other, kept) && !ltcgear_measure_steady(other, END / 2, END, two) && !memcmp(one, two, sizeof one));
+  CHECK(!ltcgear_restore(run, kept) && !ltcgear_measure(run, END, one));
+  CHECK(!ltcgear_restore(other, kept) && !ltcgear_advance(other, END) && fingerprint(run) == fingerprint(other));
+  CHECK(ltcgear_measure(run, END, two) && ltcgear_measure(run, NAN, two) && ltcgear_measure(run, INFINITY, two));
+  CHECK(ltcgear_measure_steady(run, END / 2, 2 * END, two) && ltcgear_measure_steady(run, 2 * END, 2 * END, two));
+  CHECK(ltcgear_measure_steady(run, 3 * END, 2 * END, two) && ltcgear_measure_steady(run, NAN, 2 * END, two));
+  CHECK(ltcgear_measure_steady(run, 2 * END * (1 - 1e-15), 2 * END, two) && ltcgear_time(run) == END);
+  CHECK(!ltcgear_measure_steady(run, 2 * END * (1 - 1e-12), 2 * END, two) && isfinite(two[0].mean) && isfinite(two[0].rms));
+  ltcgear_destroy(run), ltcgear_destroy(other);
+  free(kept);
+  return 0;
+}
+
 static int test_refusals(void) {
   double last = 0, *y = malloc((size_t)model->n_outputs * sizeof *y);
   ltcgear_run *run = ltcgear_create(model, 1e-6);
@@ -144,4 +167,6 @@ static int test_refusals(void) {
   return 0;
 }
 
-int main(void) { return test_threads() || test_saving() || test_stopping() || test_lost_states() || test_refusals(); }
+int main(void) {
+  return test_threads() || test_saving() || test_stopping() || test_lost_states() || test_statistics() || test_refusals();
+}

@@ -69,9 +69,9 @@ class Steered:
     title: str = ""
 
     def simulate(self, changes=None, tables=None, rtol=1e-9, t_end=T_END, rate=RATE):
-        """Simulate with other parameters or tables."""
+        """Simulate with other parameters or tables; samples are those of the instant, as an FMU's are."""
         values, led = self.values | (changes or {}), self.tables | (tables or {})
-        return simulate(self.library, values, t_end=t_end, rate=rate, rtol=rtol, tables=led, method="erk")
+        return simulate(self.library, values, t_end=t_end, rate=rate, rtol=rtol, tables=led, method="erk", raw=True)
 
     def write(self, path, kind="co-simulation", t_end=T_END, rate=RATE, tables=None, inputs=None, **called):
         """Write it as an FMU, with other tables, inputs, name or title where they are given."""

@@ -21,7 +21,7 @@ def run(path, **options):
     """Simulate in FMPy."""
     names = [*FORCES, "switchings", "regime_changes", "time", "pair.output.angle"]
     settings = {"start_time": 0.0, "stop_time": T_END, "output_interval": STEP, "output": names, "record_events": False}
-    return fmpy.simulate_fmu(str(path), **settings, **{"relative_tolerance": 1e-11, "timeout": 60} | options)
+    return fmpy.simulate_fmu(str(path), **settings | {"relative_tolerance": 1e-11, "timeout": 60} | options)
 
 
 def missed(found, result):
@@ -183,6 +183,43 @@ def test_instances_do_not_disturb_each_other(cs, make):
     found, others = np.array([(one.step(k)[0], other.step(k)[0]) for k in range(100)]).transpose(1, 0, 2)
     assert np.array_equal(found, alone)
     assert np.abs(others - alone).max() > 100
+
+
+STATISTICS = [f"pair.mesh.mesh_force_{name}" for name in ("mean", "rms", "min", "max")]
+
+
+def test_means_over_steps_are_those_of_statics(cs):
+    periods, steps, torque = 40, 4, -1500.0  # samples fall on four phases of a tooth pair
+    frequency = 800.0
+    options = {"stop_time": 4 * periods / frequency, "output_interval": 1 / (steps * frequency)}
+    values = {"loads.brake.torque": torque, "loads.motor.speed": 2 * np.pi * frequency / 31}
+    names = ["pair.mesh.mesh_force", *STATISTICS]
+    found = run(cs, **options, start_values=values, output=names, relative_tolerance=1e-8)[-periods * steps :]
+    sampled, mean, rms, low, high = (found[name] for name in names)
+    static = abs(torque) / (0.004 * 43 / 2 * np.cos(np.radians(20)))
+    assert abs(sampled.mean() / static - 1) > 1e-4
+    assert mean.mean() == pytest.approx(static, rel=1e-6)
+    assert (low < mean).all()
+    assert (mean < rms).all()
+    assert (rms < high).all()
+    assert low.min() < sampled.min() < sampled.max() <= high.max()
+
+
+def test_statistics_begin_with_the_instant_and_are_kept(cs, make):
+    one, other = make(cs).initialise(), make(cs).initialise()
+    force = one["pair.mesh.mesh_force"]
+    assert [one[name] for name in STATISTICS] == [force, abs(force), force, force]
+    one.fmu.doStep(0.0, 100 * STEP)
+    told, data = [one[name] for name in STATISTICS], one.state("serialize", kept := one.state("get"))
+    one.state("free", kept)
+    moved = other.state("deserialize", data)
+    other.state("set", moved)
+    other.state("free", moved)
+    assert [other[name] for name in STATISTICS] == told
+    assert told[2] < told[0] < told[3]
+    for instance in (one, other):
+        instance.fmu.doStep(100 * STEP, 50 * STEP)
+    assert [other[name] for name in STATISTICS] == [one[name] for name in STATISTICS] != told
 
 
 def test_a_reset_begins_again(cs, make):

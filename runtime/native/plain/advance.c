@@ -1,6 +1,7 @@
 /* A run under way: from knot to knot of the loads and from turn to turn of the reference. */
 
 #define CAPACITY 512 /* samples that wait to be taken; no segment holds more than half of them */
+#define PARTS 64     /* segments of a span whose weights fall to zero at its ends, at least */
 
 /* Who takes samples, where, and what a march may go back to: the run as it was before the samples that wait. */
 typedef struct {
@@ -73,23 +74,32 @@ static void go_back(ltcgear_run *run, const taker *t, double sample) {
   go_on(run, sample, 0);
 }
 
-/* March to a time. A segment holds no more samples than there is room for. */
+/* Set how long segments may be: they hold no more samples than there is room for, and weights hardly change in one. Return
+ * where the next one ends at the latest: where a span of weights begins, if it is so short that this counts. */
+static double limit_segment(ltcgear_run *run, double until, const taker *t) {
+  march *m = &run->m;
+  const double part = m->summed == TAPERED ? (m->span_to - m->span_from) / PARTS : INFINITY;
+  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
+  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
+  if (m->time >= m->span_from) m->widest = smaller(m->widest, part);
+  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
+  return m->time < m->span_from && m->longest > part ? m->span_from : until;
+}
+
+/* March to a time. */
 static int go_on(ltcgear_run *run, double until, const taker *t) {
   march *m = &run->m;
   if (!run->started) return NOT_STARTED;
   if (!isfinite(until)) return NOT_A_NUMBER;
   if (until < m->time) return NOT_AHEAD;
-  m->widest = LONGEST * TURNED / larger(run->quickest, SLOWEST);
-  if (t) m->widest = smaller(m->widest, CAPACITY / 2 / m->sampling);
-  m->longest = smaller(m->longest, m->widest), m->first = smaller(m->first, m->widest);
   while (m->time < until) {
-    double last;
+    double last, stop = limit_segment(run, until, t);
     if (t) pass_run(run, &(passage){t->before, 0, SAVING});
-    begin_leg(run, until);
+    begin_leg(run, stop);
     int fault = ltcgear_march(m, t ? LLONG_MAX : 1, INFINITY), taken = t ? hand_on(run, t, &last) : DONE;
     if (taken) go_back(run, t, last);
     if (taken || fault) return taken ? taken : fault;
-    meet(m, until);
+    meet(m, stop);
   }
   return DONE;
 }

@@ -42,9 +42,9 @@ static int failed(fmu *f, int status, const char *what) {
 
 fmu *fmu_make(int exchange) {
   const size_t n = (size_t)model->n_states, n_p = (size_t)model->n_parameters, n_y = (size_t)model->n_outputs;
-  const size_t n_u = fmu_count(FMU_INPUT), n_z = fmu_count(FMU_INDICATOR);
+  const size_t n_u = fmu_count(FMU_INPUT), n_z = fmu_count(FMU_INDICATOR), n_f = fmu_count(FMU_STATISTIC);
   fmu *f = calloc(1, sizeof *f);
-  double *room = calloc(2 * n + n_p + n_y + 2 * n_u + n_z + 1, sizeof *room);
+  double *room = calloc(2 * n + n_p + n_y + 2 * n_u + n_z + n_f + 1, sizeof *room);
   if (!f || !room) {
     free(f);
     free(room);
@@ -55,7 +55,8 @@ fmu *fmu_make(int exchange) {
   f->u = f->p + n_p;
   f->met = f->u + n_u;
   f->x = f->met + n_u;
-  f->xdot = f->x + n;
+  f->forces = (ltcgear_statistics *)(f->x + n);
+  f->xdot = f->x + n + n_f;
   f->y = f->xdot + n;
   f->z = f->y + n_y;
   fmu_reset(f);
@@ -114,6 +115,17 @@ static int impose(fmu *f) {
   return 0;
 }
 
+/* Let the statistics be those of a step of no length. */
+static int set_statistics(fmu *f) {
+  if (!fmu_count(FMU_STATISTIC)) return 0;
+  if (fmu_find(f, FMU_OUTPUT)) return 1;
+  for (ltcgear_whole i = 0; i < model->n_forces; ++i) {
+    double force = f->y[model->forces[i]];
+    f->forces[i] = (ltcgear_statistics){force, fabs(force), force, force};
+  }
+  return 0;
+}
+
 int fmu_start(fmu *f) {
   if (f->run) return 0;
   f->run = ltcgear_create(model, f->rtol);
@@ -125,7 +137,7 @@ int fmu_start(fmu *f) {
     if (!fmu_scene.input_slope[i])
       status = ltcgear_steer(f->run, fmu_scene.input_table[i], f->u[i], f->u[i], f->time);
   if (!status) status = ltcgear_start(f->run, f->time);
-  if (failed(f, status, "the loaded equilibrium") || (f->exchange && impose(f))) {
+  if (failed(f, status, "the loaded equilibrium") || (f->exchange && impose(f)) || set_statistics(f)) {
     forget(f);
     return 1;
   }
@@ -176,6 +188,7 @@ static int get_one(fmu *f, unsigned reference, double *value) {
     case FMU_COUNT:
       if (fmu_start(f)) return 1;
       return *value = (double)(i ? ltcgear_regimes(f->run) : ltcgear_switchings(f->run)), 0;
+    case FMU_STATISTIC: return fmu_start(f) || (*value = ((double *)f->forces)[i], 0);
     case FMU_STATE: return fmu_find(f, kind) || (*value = f->x[i], 0);
     case FMU_RATE: return fmu_find(f, kind) || (*value = f->xdot[i], 0);
     case FMU_OUTPUT: return fmu_find(f, kind) || (*value = f->y[i], 0);
@@ -255,7 +268,8 @@ int fmu_step(fmu *f, double from, double step) {
     return FMU_STOPPED;
   }
   if (steer(f, until)) return FMU_REFUSED;
-  int status = ltcgear_advance(f->run, until);
+  int moves = until > ltcgear_time(f->run); /* by more than its rounding */
+  int status = moves ? ltcgear_measure(f->run, until, f->forces) : ltcgear_advance(f->run, until);
   f->time = ltcgear_time(f->run);
   f->known = 0;
   if (!status) return 0;
@@ -272,9 +286,9 @@ int fmu_update(fmu *f, double *next) {
   return 0;
 }
 
-/* Bytes of what an instance keeps itself: parameters, inputs as they are and as they were met, states. */
+/* Bytes of what an instance keeps itself: parameters, inputs as they are and as they were met, states, statistics. */
 static size_t own_size(void) {
-  size_t n = (size_t)(model->n_parameters + model->n_states) + 2 * fmu_count(FMU_INPUT);
+  size_t n = (size_t)(model->n_parameters + model->n_states) + 2 * fmu_count(FMU_INPUT) + fmu_count(FMU_STATISTIC);
   return n * sizeof(double);
 }
 

@@ -16,6 +16,7 @@ enum {
   FMU_OUTPUT,
   FMU_ANGLE,     /* of rotors, whole turns included */
   FMU_COUNT,     /* switchings of tooth pairs, and of regimes */
+  FMU_STATISTIC, /* of each mesh force over the last communication step, in the order of ltcgear_statistics */
   FMU_INDICATOR,
   FMU_INPUT,
   FMU_KINDS
@@ -48,6 +49,7 @@ typedef struct {
   double time, rtol;
   double *p, *u, *met;  /* parameters, inputs, and the inputs that the run has met */
   double *x, *xdot, *y, *z;
+  ltcgear_statistics *forces; /* over the last communication step; none in model exchange */
   char message[400];    /* what was refused last, and why */
 } fmu;
 

@@ -18,7 +18,7 @@ static const char *const REASON[] = {
     "a mass or an inertia must be positive",
     "a stiffness or a damping must not be negative",
     "a share must lie between 0 and 1",
-    "the time lies behind, or the samples are none",
+    "the time lies behind, or there is no time or sample up to it",
     "there is no memory left",
     "nothing can vibrate: every freedom of the scene is held",
     "no equilibrium: nothing holds a member against the loads",
@@ -99,6 +99,7 @@ static void lay_out(ltcgear_run *run, room *r) {
   m->fine = reals(r, holds ? (FINE + 1) * nodes : 0), m->fine_values = reals(r, (FINE + 1) * holds);
   m->error = reals(r, n * holds), m->node_values = reals(r, nodes * holds);
   m->power = reals(r, STAGES), m->balance = reals(r, 5), m->seen_time = reals(r, 3);
+  m->stage_forces = reals(r, STAGES * forces), m->sums = reals(r, 1 + 2 * forces), m->arc_sums = reals(r, 1 + 2 * forces);
   run->y = reals(r, model->n_outputs);
   EACH(whole, wholes, meshes, &m->cells, &m->last_turn, &m->changed, &m->arc_cells);
   EACH(whole, wholes, model->n_clocks, &run->rest, &run->cycles);
@@ -147,7 +148,7 @@ static void set_sizes(ltcgear_run *run, double rtol) {
   m->n_forces = model->n_forces, m->angle = model->angle, m->free = model->free_speed;
   m->speed = model->speed_signal, m->held = model->speed_held;
   m->hold_index = (whole *)model->holds; /* which is only read */
-  m->end = INFINITY;
+  m->end = m->span_from = INFINITY;
   stop_sampling(m);
   m->rtol = rtol, m->unresolved = larger(rtol, FINEST);
   m->held_value = HELD, m->most_steps = MOST_STEPS;
