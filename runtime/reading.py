@@ -99,7 +99,8 @@ class Reader:
     def __init__(self, library: Library, p: Vector, rate: float, t_end: float, raw: bool) -> None:
         self.batch, self.clocks = Batch(library, "outputs"), Clocks(library.manifest, p)
         self.rate, self.raw, self.taken = rate, raw, 0
-        self.span = t_end / 2, t_end
+        end = round(t_end * rate) / rate  # that of the last sample
+        self.span = end / 2, end
         self.instant = [i for i, report in enumerate(library.manifest.reports) if report.quantity in INSTANT]
         self.held = no_rows(library)
         self.start: Vector | None = None

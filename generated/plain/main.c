@@ -83,6 +83,7 @@ int main(int count, char **arguments) {
   const ltcgear_model *model = &ltcgear_scene;
   double t_end = model->t_end;
   int first = count > 1 && read_number(arguments[1], &t_end) ? 2 : 1, code = 0;
+  t_end = round(t_end * model->rate) / model->rate; /* that of the last sample */
   if (!(t_end > 0 && t_end < 1e7))
     return refuse(first > 1 ? arguments[1] : model->name, "give a time above 0, and below 1e7 s");
   ltcgear_run *run = ltcgear_create(model, 1e-6);
