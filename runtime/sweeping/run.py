@@ -14,6 +14,7 @@ from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError, SceneError
 
 from ..attributes import to_attributes
+from ..band import BAND
 from ..dataset import make_dataset
 from ..integration import check_length
 from ..library import build
@@ -262,7 +263,9 @@ def _write_axis(axis: Mapping[str, Any]) -> str:
 
 def _attributes(plan: Plan) -> dict[str, Any]:
     """Return what the file tells of scene and settings."""
-    return to_attributes(plan.maker.about(), {**plan.settings, "metrics": list(plan.metrics)})
+    told = {name: value for name, value in plan.settings.items() if name != "raw"}
+    band = {} if plan.settings["raw"] else {"band_hz": BAND * plan.settings["rate"]}
+    return to_attributes(plan.maker.about(), {**told, **band, "metrics": list(plan.metrics)})
 
 
 @contextmanager
