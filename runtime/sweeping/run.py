@@ -110,7 +110,8 @@ def sweep(
     ends = check_points(maker, design)
     end, samples = maker.times(ends[0])
     settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "method": method, "rtol": rtol, "raw": raw}
-    settings["rate"] = choose_common_rate(maker, ends) if rate is None and samples is None else rate or samples
+    given = samples if rate is None else rate
+    settings["rate"] = choose_common_rate(maker, ends) if given is None else given
     _check_rate(settings["rate"])
     check_length(settings["t_end"] * settings["rate"])
     with _open_pool(workers, scheduler, design.size) as pool:
