@@ -8,6 +8,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..plots import finish_axes
+from ..ties import largest_first, order_by_size
 from .drawing import columns_for, open_axes, scale_of, style_of, thin
 from .span import CHANGING
 from .trace import list_items
@@ -44,7 +45,7 @@ def draw_speeds(dataset: xr.Dataset) -> Figure:
     if not names:
         raise LtcgearError("the result has no speeds")
     values = RPM * dataset["speed"].transpose("time", ...).values
-    chosen = [k for k in np.argsort(-np.abs(values).max(axis=0), kind="stable") if ".planet." not in names[k]]
+    chosen = [k for k in order_by_size(np.abs(values).max(axis=0), names) if ".planet." not in names[k]]
     return _draw(dataset, "Speeds of rotors", "speed [r/min]", {names[k]: values[:, k] for k in chosen})
 
 
@@ -57,7 +58,7 @@ def draw_torques(dataset: xr.Dataset) -> Figure:
     }
     if not found:
         raise LtcgearError("the result has no torques")
-    ordered = dict(sorted(found.items(), key=lambda pair: -float(np.abs(pair[1]).max())))
+    ordered = {name: found[name] for name in largest_first({name: float(np.abs(v).max()) for name, v in found.items()})}
     size, unit = scale_of("N*m", max(float(np.abs(values).max()) for values in found.values()))
     return _draw(dataset, "Torques", f"torque [{unit}]", {name: values / size for name, values in ordered.items()})
 

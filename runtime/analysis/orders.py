@@ -10,6 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 
 from ..spectra import amplitude_spectrum, noise_bandwidth
 from ..statistics import stage_of
+from ..ties import largest_first
 from .spectrum import Spectrum
 from .trace import FloatArray, list_items, read_trace
 
@@ -51,7 +52,7 @@ def choose_shaft(dataset: xr.Dataset, stage: str = "") -> str | None:
     sizes = dict(zip(list_items(dataset, "speed"), speed.tolist(), strict=True))
     turning = {name: size for name, size in sizes.items() if ".planet." not in name} or sizes
     own = {name: size for name, size in turning.items() if stage_of(name) == stage} or turning
-    return max(own, key=lambda name: own[name], default=None)
+    return next(iter(largest_first(own)), None)
 
 
 def find_order_spectrum(

@@ -95,9 +95,10 @@ def find_crossings(campbell: Campbell, orders: Sequence[Order]) -> list[Crossing
 
 
 def _rank(crossing: Crossing, slow: float) -> tuple[bool, bool, float, float]:
-    """Sort by the force that follows, then by the sensitivity; unbounded first, and last what stands near speed 0."""
+    """Sort by force, then by sensitivity, both but for rounding; unbounded first, and last what stands near speed 0."""
     without = crossing.sensitivity is None
-    return (crossing.value < slow, not without, -(crossing.force or 0.0), -(crossing.sensitivity or 0.0))
+    force, sensitivity = (float(f"{value or 0.0:.9g}") for value in (crossing.force, crossing.sensitivity))
+    return (crossing.value < slow, not without, -force, -sensitivity)
 
 
 def _meet(campbell: Campbell, frequency: Vector, order: Order) -> list[tuple[float, float]]:

@@ -220,7 +220,7 @@ def _busiest(dataset: xr.Dataset) -> str | None:
     phases = [phase_of(dataset, mesh) for mesh in leads]
     passed = [0.0 if phase is None else float(np.ptp(phase.values)) for phase in phases]
     rates = np.array(passed) / max(float(time[-1] - time[0]), 1e-300)
-    return leads[int(np.argmax(np.array(carried) * np.maximum(rates, STANDING)))]
+    return leads[order_by_size(np.array(carried) * np.maximum(rates, STANDING), leads)[0]]
 
 
 def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:

@@ -1,0 +1,72 @@
+"""What the band and the statistics cost: the rig's integration alone, read raw, and read band-limited.
+
+Run as ``python -m benchmarks.sampling``; it writes the table of docs/sampling.md. Processor time of one thread, the
+variants in turn, the least of many.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from time import thread_time
+
+from ltcgear.runtime.equilibrium import find_equilibrium
+from ltcgear.runtime.integration import Integration
+from ltcgear.runtime.library import build
+from ltcgear.runtime.simulation import Run
+from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.scene import load_scene
+
+from .marks import put
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "sampling.md"
+SCENE, T_END, RATE, RTOL, ROUNDS = "rig-2mw", 0.25, 8192.0, 1e-6, 25
+
+
+def variants() -> dict[str, Callable[[], object]]:
+    """Return what is measured by name."""
+    model = build_model(load_scene(SCENE))
+    library = build(obtain(model))
+    p = library.parameters(model.values())
+    at = find_equilibrium(library, p)
+    options = {"t_end": T_END, "rate": RATE, "method": "erk", "rtol": RTOL, "tables": None}
+
+    def march() -> None:
+        Integration(library, p, at, **options).follow(lambda block, points: None)
+
+    def run(raw: bool) -> None:
+        made = Run(library, p, raw=raw, **options)
+        made.follow(lambda t: None)
+        made.conclude()
+
+    return {
+        "integration alone": march,
+        "a run with `--raw`: outputs of the instant, statistics along the motion": lambda: run(True),
+        "a run as it comes: band-limited outputs, the same statistics": lambda: run(False),
+    }
+
+
+def measure() -> dict[str, float]:
+    """Return the least time of each variant [s]."""
+    least: dict[str, float] = {}
+    calls = variants()
+    for name, call in [pair for _ in range(ROUNDS) for pair in calls.items()]:
+        begun = thread_time()
+        call()
+        least[name] = min(thread_time() - begun, least.get(name, float("inf")))
+    return least
+
+
+def table(least: dict[str, float]) -> str:
+    """Return the table in Markdown, times over those of the raw run."""
+    raw = next(seconds for name, seconds in least.items() if "--raw" in name)
+    rows = [f"| {name} | {seconds / T_END * 1e3:.0f} | {seconds / raw:.2f} |" for name, seconds in least.items()]
+    return "\n".join(["| rig, rtol 1e-6 | ms a simulated second | over raw |", "|---|---|---|", *rows, ""])
+
+
+def main() -> None:
+    """Measure, and write the table."""
+    put(PAGE, {"cost": table(measure())})
+
+
+if __name__ == "__main__":
+    main()
