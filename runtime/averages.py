@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .native import engine
+from .statistics import taper
 
 Vector = NDArray[np.float64]
 
@@ -34,11 +35,6 @@ class Statistics:
 
     values: Vector
     span: tuple[float, float]
-
-
-def taper(part: Vector) -> Vector:
-    """Return the weight of instants, given as parts 0..1 of the span; zero outside of it."""
-    return np.where((part > 0) & (part < 1), np.sin(np.pi * np.clip(part, 0.0, 1.0)) ** 4, 0.0)
 
 
 class Averages:

@@ -6,12 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .averages import taper
-
 if TYPE_CHECKING:
     import xarray as xr
 
     from .spectra import FloatArray
+
+
+def taper(part: FloatArray) -> FloatArray:
+    """Return the weight of instants, given as parts 0..1 of the span; zero outside of it."""
+    return np.where((part > 0) & (part < 1), np.sin(np.pi * np.clip(part, 0.0, 1.0)) ** 4, 0.0)
 
 
 def steady_start(dataset: xr.Dataset) -> float:

@@ -41,7 +41,7 @@ def disc(gravity=G, damping=0.0):
     model = Model(
         "disc", "disc", "rest", (Body("disc", True, "held", "disc.mass", None, None, None, ""),), {"": None},
         tuple(Instance("disc", str(e[0]), e, ("disc",), b) for e, b in zip(parts, (race, weight), strict=True)),
-        (), (), (), (), tuple(Parameter(name, *value) for name, value in numbers.items()), DEFAULTS, {},
+        (), (), (), tuple(Parameter(name, *value) for name, value in numbers.items()), DEFAULTS, {},
     )  # fmt: skip
     return Case(None, model, build(generate(model)))
 

@@ -70,7 +70,7 @@ def test_shares_of_energy_add_up_and_fit_the_class(n):
             assert mode.energy == {}
             continue
         assert sum(mode.energy.values()) == pytest.approx(1.0)
-        assert list(mode.energy.values()) == sorted(mode.energy.values(), reverse=True)
+        assert (np.diff(list(mode.energy.values())) < 1e-9).all()  # largest first; ties stand by name
         assert mode.damping_ratio == 0.0
         assert copysign(1.0, mode.damping_ratio) == 1.0
         if mode.kind == "planet":

@@ -237,7 +237,7 @@ def test_ranking_puts_sizes_first_and_leaves_out_what_is_whole():
     kinds = [row.kind for row in rows]
     assert kinds == sorted(kinds, reverse=True)
     sizes = [abs(row.relative) for row in rows if row.kind == "size"]
-    assert sizes == sorted(sizes, reverse=True)
+    assert (np.diff(sizes) <= 1e-9 * max(sizes)).all()  # largest first; ties stand by name
     left_out = {name.rsplit(".", 1)[-1] for name, _ in manifest.parameters} - {
         row.parameter.rsplit(".", 1)[-1] for row in rows
     }
