@@ -21,18 +21,32 @@ static void find_shares(whole reach, whole fine, const double *table, double ahe
   s->row = (whole)first;
 }
 
+/* A point's share in a row, 0 where it does not reach it. */
+static double share_in(const sharing *s, whole reach, whole row) {
+  whole j = row - s->row;
+  return j >= 0 && j < 2 * reach ? s->side * s->share[j] : 0;
+}
+
+/* Add what two points share to rows, some columns of them. Each row gets the first one's share before the second's, as if
+ * they came one by one; where one of them does not reach, 0 is added. */
+static void add_pair(const sharing *one, const sharing *two, whole reach, whole width, whole left, whole columns,
+                     double *rows) {
+  const double *restrict y = one->y + left, *restrict z = two->y + left;
+  const whole low = one->row < two->row ? one->row : two->row, high = one->row < two->row ? two->row : one->row;
+  for (whole row = low < 0 ? 0 : low; row < high + 2 * reach; ++row) {
+    const double first = share_in(one, reach, row), second = share_in(two, reach, row);
+    double *restrict to = rows + row * width + left;
+    for (whole i = 0; i < columns; ++i) to[i] = (to[i] + first * y[i]) + second * z[i];
+  }
+}
+
 /* Add what points share to rows, a tile of columns after the other, so that the rows of a tile stay near. */
 static void add_shares(whole count, const sharing *all, whole width, whole reach, double *rows, double *weights) {
+  const sharing none = {.row = all[count - 1].row, .y = all[count - 1].y};
   for (whole left = 0; left < width; left += TILE) {
     const whole columns = left + TILE < width ? TILE : width - left;
-    for (whole k = 0; k < count; ++k) {
-      const double *restrict y = all[k].y + left;
-      for (whole j = all[k].row < 0 ? -all[k].row : 0; j < 2 * reach; ++j) {
-        const double share = all[k].side * all[k].share[j];
-        double *restrict to = rows + (all[k].row + j) * width + left;
-        for (whole i = 0; i < columns; ++i) to[i] += share * y[i];
-      }
-    }
+    for (whole k = 0; k < count; k += 2)
+      add_pair(all + k, k + 1 < count ? all + k + 1 : &none, reach, width, left, columns, rows);
   }
   for (whole k = 0; k < count; ++k)
     for (whole j = all[k].row < 0 ? -all[k].row : 0; j < 2 * reach; ++j) weights[all[k].row + j] += all[k].share[j];
