@@ -22,12 +22,11 @@ from sksundae.cvode import CVODE
 
 
 def opened(scene, t_end, rate):
-    """Build a scene; return its equations of motion, and what ``simulate`` finds."""
+    """Build a scene; return its equations of motion, and what ``simulate`` finds at instants."""
     model = build_model(scene)
     library, numbers = build(generate(model)), (model.values(), model.tables)
-    result = simulate(
-        library, numbers[0], tables=numbers[1], t_end=t_end, rate=rate, rtol=1e-8
-    )
+    options = {"t_end": t_end, "rate": rate, "rtol": 1e-8, "raw": True}
+    result = simulate(library, numbers[0], tables=numbers[1], **options)
     return Dynamics(library, *numbers), result.dataset
 
 
