@@ -22,7 +22,7 @@ from sksundae.cvode import CVODE
 
 
 def opened(scene, t_end, rate):
-    """Build a scene; return its equations of motion, and what ``simulate`` finds at instants."""
+    """Build a scene; return its equations of motion, and ``simulate``'s instants."""
     model = build_model(scene)
     library, numbers = build(generate(model)), (model.values(), model.tables)
     options = {"t_end": t_end, "rate": rate, "rtol": 1e-8, "raw": True}

@@ -51,7 +51,7 @@ sweep(
     points=80,
     seed=1,
     metrics=["load_share"],
-    t_end=4 / 29.5,
+    t_end=8 / 29.5,
     workers=1,
 )
 pinned = load_sweep(folder / "pins.nc")
