@@ -13,7 +13,7 @@ a pair of gears is run at many speeds, and its spectra are drawn one above anoth
 # The low-speed stage of the 2 MW gearbox has four planets and a sun that floats. Each of
 # the four pins stands off its place along the pin circle, normally distributed with a
 # deviation of 20 um. The model is compiled once; a point is a set of its numbers. Half a
-# run is two mesh periods, so that means are over whole periods.
+# run is four mesh periods, so that means are over whole periods.
 
 import tempfile
 from math import cos, erf, radians, sqrt
