@@ -48,6 +48,8 @@ BLOCK = 256
 """Samples in a block where nothing switches or bends."""
 APART, MOST_FINER = 1.2, 64
 """Nodes of such a block a turn of the fastest mode, at least, where points are taken; most nodes to a sample."""
+WEIGHTS = 80 * np.pi
+"""Angle [rad] that points resolve over a whole run at least: ten times that of the weights sin(pi s)^4 of its half."""
 POINT_ROOM = 4096
 """Points that wait to be taken; no segment adds more than half of them."""
 CAPACITY = 2048
@@ -149,10 +151,10 @@ class March:
         state.rtol, state.unresolved = self.rtol, max(UNRESOLVED.get(method, COARSE) * self.rtol, FINEST)
         state.fresh = 1
         state.n_nodes = len(share("points", self.nodes.points))
-        self._set_points(quickest, passing)
+        self._set_points(quickest, None if passing is None else max(passing, WEIGHTS * rate / samples))
 
     def _set_points(self, quickest: float, passing: float | None) -> None:
-        """Set the points of arcs: what they shall resolve [rad/s], and the rules that do."""
+        """Set the points of arcs: what they shall resolve [rad/s], the weights of statistics too; the rules that do."""
         state, share, rules = self.state, self.native.share, lobatto_rules()
         if passing is not None:
             state.turning, state.passing, state.most_points = quickest, passing, MOST

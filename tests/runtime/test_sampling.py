@@ -37,6 +37,22 @@ member = "first.output"
 torque = "1100 N*m"
 """
 
+SHAFT = """
+title = "Shaft under a torque over time"
+[rotors.one]
+inertia = "2 kg*m^2"
+[rotors.two]
+inertia = "3 kg*m^2"
+[couplings.shaft]
+between = ["one", "two"]
+stiffness = "2e4 N*m/rad"
+damping_ratio = 0.05
+[loads.one]
+member = "one"
+torque_over_time = [["0 s", "1 N*m"], ["0.3 s", "200 N*m"]]
+initial_speed = "10 rpm"
+"""
+
 
 @pytest.fixture(scope="module")
 def hoist(tmp_path_factory):
@@ -131,3 +147,18 @@ def test_the_rate_of_a_run_up_is_that_of_its_highest_speed():
     found = [mesh_frequency(c.library, c.at, c.p, c.model.tables) for c in (still, turning)]
     assert found[0] == pytest.approx(found[1], rel=1e-12)
     assert choose_rate(still.library, still.at, still.p, still.model.tables).rate >= LEAST
+
+
+def test_statistics_of_a_short_slow_run_do_not_hang_on_its_few_arcs(tmp_path):
+    """A single arc holds the run; its points resolve the weights all the same, raw samples or not."""
+    file = tmp_path / "shaft.toml"
+    file.write_text(SHAFT)
+    model = build_model(load_scene(file))
+    library, values = build(generate(model)), model.values()
+    options = {"t_end": 0.02, "tables": model.tables}
+    dense = simulate(library, values, rate=2e5, raw=True, **options).dataset["coupling_torque"].values[2000:, 0]
+    wanted = np.average(dense, weights=np.sin(np.linspace(0, np.pi, dense.size)) ** 4)
+    for raw in (True, False):
+        found = simulate(library, values, rate=1e3, raw=raw, **options)
+        assert found.summary["counts"]["segments"] == 1
+        assert found.statistics["coupling_torque:shaft"]["mean"] == pytest.approx(wanted, rel=1e-4)
