@@ -17,7 +17,7 @@ from pathlib import Path
 import platformdirs
 
 from .contract import Artifact, Manifest
-from .errors import CompileError, LtcgearError, MachineError
+from .errors import CompileError, MachineError
 
 FLAGS = (
     "-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-fno-semantic-interposition",
@@ -112,18 +112,6 @@ def put_folder(target: Path, files: dict[str, str]) -> None:
                     raise
     finally:
         shutil.rmtree(draft, ignore_errors=True)
-
-
-def write_folder(target: Path, texts: dict[str, str]) -> None:
-    """Write files into a folder of the user's, each one whole or not at all."""
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            draft = target / f".draft-{os.getpid()}-{name}"
-            draft.write_text(text, encoding="utf-8")
-            draft.replace(target / name)
-    except OSError as error:
-        raise LtcgearError(f"{target}: cannot be written: {error.strerror}; give another folder") from error
 
 
 def files(artifact: Artifact) -> dict[str, str]:

@@ -190,7 +190,7 @@ def test_generate(data, tmp_path):
     shown = data("generate", "psh", "-o", target)
     assert {"files", "ops", "seconds", "key"} <= set(shown)
     assert {"derive", "check", "emit", "compile"} <= set(shown["seconds"])
-    expected = ["data.c", "ltcgear.c", "ltcgear.h", "main.c", "manifest.json", "model.c"]
+    expected = ["SHA256SUMS", "data.c", "ltcgear.c", "ltcgear.h", "main.c", "manifest.json", "model.c"]
     assert sorted(path.name for path in target.iterdir()) == expected
     assert all(Path(file).is_file() for file in shown["files"])
     assert (target / "model.c").read_text("utf-8").count("{") > 10
@@ -386,8 +386,8 @@ def test_a_folder_without_the_right_to_write_is_refused_before_computing(refused
 
 def test_a_target_for_c_that_is_a_file_is_refused(refused, tmp_path):
     (tmp_path / "file").write_text("kept", encoding="utf-8")
-    assert "cannot be written" in refused("generate", "psh", "-o", tmp_path / "file")
-    assert "cannot be written" in refused("generate", "psh", "-o", tmp_path / "file" / "below")
+    assert "is a file; give a folder" in refused("generate", "psh", "-o", tmp_path / "file")
+    assert "is a file; give a folder" in refused("generate", "psh", "-o", tmp_path / "file" / "below")
     assert (tmp_path / "file").read_text("utf-8") == "kept"
 
 

@@ -48,9 +48,9 @@ def modes(
     from ..linear.naming import describe_modes
     from ..present_linear import modes as for_people
 
-    _check(turn, count, mode, output)
     if output is not None:
         check_output(output, scene)
+    _check(turn, count, mode, output)
     opened = open_scene(scene, changes)
     linear = open_linear(opened, turn)
     wanted = choose_count(linear) if count is None else count
