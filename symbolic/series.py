@@ -12,6 +12,7 @@ from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import core_schema
 
 from . import units
+from .files import UnreadableError, read_bytes
 
 Pairs = tuple[tuple[float, float], ...]
 Reader = Callable[[object], float]
@@ -165,15 +166,16 @@ def _plain(value: object, factor: float = 1.0) -> float:
 def _text(path: Path, shown: str, example: str) -> str:
     """Return the text of a CSV file; messages call it ``shown``."""
     try:
-        if not path.is_file():
-            what = "is a folder" if path.is_dir() else "no such file"
-            raise ValueError(f"{shown}: {what}; give the name of a CSV file beside the scene, or {example}")
-        with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
+        data = read_bytes(path, LARGEST_FILE)
         if len(data) > LARGEST_FILE:
             raise ValueError(f"{shown}: is above {LARGEST_FILE // 1_000_000} MB; take fewer rows")
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(f"{shown}: is not text in UTF-8; save it as CSV in UTF-8") from None
+    except UnreadableError as error:
+        raise ValueError(f"{shown}: {error}") from None
+    except (FileNotFoundError, NotADirectoryError):
+        cure = f"give the name of a CSV file beside the scene, or {example}"
+        raise ValueError(f"{shown}: no such file; {cure}") from None
     except OSError as error:
         raise ValueError(f"{shown}: cannot be read: {error.strerror}; check its name and rights") from None

@@ -99,13 +99,16 @@ def run(
     record_file: Path | None = None,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
+    from ltcgear.symbolic.scene import read_source
+
     from ..recording import record
     from ..simulation import check_options
     from ..simulation import simulate as simulate_model
 
     check_options(method, rtol, t_end)
+    source = read_source(scene)
     _check_result(scene, output, resume)
-    opened = open_scene(scene, changes)
+    opened = open_scene(source, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
     about = dict(opened.about)
@@ -152,7 +155,7 @@ def cost(
     if output is not None:
         check_figure(output)
     opened = open_scene(scene, changes)
-    variants = open_variants(scene, split_changes(changes), opened)
+    variants = open_variants(split_changes(changes), opened)
     rate = rate_of(opened, compile_model(opened))
     with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
         rows = measure_costs(variants, t_end=t_end, rate=rate, rtol=rtol, told=told)
