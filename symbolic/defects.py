@@ -26,7 +26,7 @@ REASONS = {
     "model_type": "must be a table, {given}",
     "model_attributes_type": "must be a table, {given}",
     "too_short": "must have {min_length} items, not {actual_length}",
-    "too_long": "must have {max_length} items, not {actual_length}",
+    "too_long": "must have {max_length} items at most, not {actual_length}",
 }
 
 

@@ -8,21 +8,25 @@ from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_v
 from pydantic_core import core_schema
 
 from . import units
+from .ranges import MODULE, RANGES, check_range
 from .series import Pairs, Series
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Marks a float field that is written as text with a unit and kept in SI."""
+    """Marks a float field that is written as text with a unit and kept in SI.
+
+    ``bounds`` are those of its unit where there are none of its own.
+    """
 
     unit: str
     positive: bool = False
+    bounds: tuple[float, float] | None = None
 
     def read(self, value: object) -> float:
         """Convert the text of a scene."""
         number = units.parse(value, self.unit)
-        if self.positive and number <= 0:
-            raise ValueError(f"{value!r} must be greater than zero")
+        check_range(number, self.unit, f"{value!r:.60}", self.bounds or RANGES[self.unit], self.positive)
         return number
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
@@ -32,6 +36,7 @@ class Quantity:
 
 
 Length = Annotated[float, Quantity("m", positive=True)]
+Module = Annotated[float, Quantity("m", positive=True, bounds=MODULE)]
 Bore = Annotated[float, Quantity("m")]
 Angle = Annotated[float, Quantity("rad")]
 Mass = Annotated[float, Quantity("kg", positive=True)]

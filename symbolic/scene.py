@@ -19,7 +19,7 @@ from .files import UnreadableError, of_process, read_bytes
 from .schema import Scene
 from .series import FILES, FOLDER, Files
 from .toml import Raw, TomlError, parse_toml
-from .validate import validate, validate_parts
+from .validate import too_many, validate, validate_parts
 
 SOURCE = re.compile(r"(printed|derived|assumed|fitted): \S.*", re.DOTALL)
 NAMED = ("stages", "rotors", "couplings", "loads")  # tables whose keys are the user's names
@@ -147,6 +147,9 @@ def make_scene(
         if key in plain:
             faults.append(f"{key}: is set by ltcgear; remove it")
             del plain[key]
+    crowds = list(too_many(plain))
+    if crowds:
+        raise SceneError(list_faults(label, crowds))
     return _freeze(plain, name, sources, label, faults, {FOLDER: folder or Path(), FILES: files})
 
 

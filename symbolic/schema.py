@@ -22,6 +22,7 @@ from .quantities import (
     Inertia,
     Length,
     Mass,
+    Module,
     Name,
     Rate,
     Ratio,
@@ -37,6 +38,9 @@ from .quantities import (
 )
 
 SAMPLES = 1e8  # the most a result may hold for each of its quantities
+MOST_PLANETS = 24
+MOST_MEMBERS = 300  # planets included
+PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
 
 
 class Disc(Table):
@@ -145,7 +149,7 @@ class Gear(Member):
 class Stage(Table):
     """What planetary stages and parallel pairs share: the tooth system."""
 
-    module: Length | None = None
+    module: Module | None = None
     pressure_angle: Angle | None = None
     helix_angle: Angle = 0.0
     center_distance: Length | None = None
@@ -173,8 +177,8 @@ class Planetary(Stage):
     """A planetary stage: ring, sun, carrier and equal planets."""
 
     kind: Literal["planetary"]
-    planets: Annotated[int, Field(ge=1, le=24)]
-    planet_angles: list[Angle] | None = None
+    planets: Annotated[int, Field(ge=1, le=MOST_PLANETS)]
+    planet_angles: Annotated[list[Angle], Field(max_length=MOST_PLANETS)] | None = None
     ring: Gear
     sun: Gear
     planet: Gear
@@ -182,8 +186,8 @@ class Planetary(Stage):
     sun_planet: Mesh
     ring_planet: Mesh
     pin: PinBearing
-    position_errors: list[PositionError] = []
-    eccentricities: list[PlanetEccentricity] = []
+    position_errors: Annotated[list[PositionError], Field(max_length=MOST_PLANETS)] = []
+    eccentricities: Annotated[list[PlanetEccentricity], Field(max_length=MOST_PLANETS)] = []
 
     def faults(self) -> Iterator[str]:
         """Check the planets."""

@@ -13,6 +13,7 @@ from pydantic_core import core_schema
 
 from . import units
 from .files import UnreadableError, read_bytes
+from .ranges import RANGES, check_range
 
 Pairs = tuple[tuple[float, float], ...]
 Reader = Callable[[object], float]
@@ -97,7 +98,7 @@ class Series:
             where = f"{shown} line {reader.line_num}"
             raise ValueError(f"{where}: is not CSV, {error}; separate columns by commas") from None
         first, second = self._factors(shown, lines[0][1] if lines else [])
-        return _pairs(lines[1:], (_times(first), _times(second)), "write it like 0.5,1.2")
+        return _pairs(lines[1:], (_times(first, self.first), _times(second, self.second)), "write it like 0.5,1.2")
 
     def _factors(self, shown: str, header: Sequence[str]) -> list[float]:
         """Return what takes the columns under a header to SI."""
@@ -143,12 +144,19 @@ def _pairs(rows: Sequence[tuple[str, object]], read: tuple[Reader, Reader], exam
 
 def _in_unit(unit: str) -> Reader:
     """Return what reads a number of the scene: text with a unit, or a plain one where none is due."""
-    return (lambda value: units.parse(value, unit)) if unit else _plain
+    return (lambda value: _within(units.parse(value, unit), unit, value)) if unit else _plain
 
 
-def _times(factor: float) -> Reader:
+def _times(factor: float, unit: str) -> Reader:
     """Return what reads a number of a CSV file."""
-    return lambda text: _plain(text, factor)
+    return lambda text: _within(_plain(text, factor), unit, text)
+
+
+def _within(number: float, unit: str, value: object) -> float:
+    """Return a number that lies in the range of its unit."""
+    if unit:
+        check_range(number, unit, f"{value!r:.60}", RANGES[unit], positive=False)
+    return number
 
 
 def _plain(value: object, factor: float = 1.0) -> float:

@@ -299,7 +299,7 @@ DEFECTS = {
     "damping above one": ("lsp", {L + "pin.damping_ratio": 5}, "stages.lsp.pin.damping_ratio: must be less than 1", ""),
     "nan": ("lsp", {L + "sun_planet.phase": float("nan")}, "stages.lsp.sun_planet.phase:", "finite number"),
     "choice": ("lsp", {L + "sun.support": "bearng"}, "stages.lsp.sun.support: must be 'fixed'", '"bearing"?'),
-    "gravity of three": ("lsp", {"gravity": ["0 m/s^2"] * 3}, "gravity: must have 2 items, not 3", ""),
+    "gravity of three": ("lsp", {"gravity": ["0 m/s^2"] * 3}, "gravity: must have 2 items at most, not 3", ""),
     "coupling of one": (
         "rig-2mw",
         {"couplings.flange.between": ["shaft"]},
@@ -416,7 +416,7 @@ DEFECTS = {
         "stages.lsp.sun_planet: the base circles' sum 526.228 mm",
         "check teeth, module and center_distance",
     ),
-    "distance in metres": ("lsp", {L + "center_distance": "560 m"}, "stages.lsp.sun_planet: the centre distance", "45"),
+    "distance in metres": ("lsp", {L + "center_distance": "56 m"}, "stages.lsp.sun_planet: the centre distance", "45"),
     "contact ratio given out of range": (
         "lsp",
         {L + "sun_planet.contact_ratio": 2.5},
