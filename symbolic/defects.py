@@ -57,6 +57,8 @@ def explain(item: Any) -> list[str]:  # noqa: ANN401
         kind = location.pop(2)  # pydantic puts it behind the stage's name
     location = [part for part in location if part != "[key]"]
     key = ".".join(str(part) for part in location)
+    if len(location) > 1 and location[0] == "sources":
+        key = f"{location[1]}.source"
     if item["type"] == "value_error":
         lines = str(item["ctx"]["error"]).split("\n")
         return [f"{key}{line}" if line.startswith(".") else f"{key}: {line}" for line in lines]

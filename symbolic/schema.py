@@ -21,6 +21,7 @@ from .quantities import (
     Force,
     Inertia,
     Length,
+    Line,
     Mass,
     Module,
     Name,
@@ -31,6 +32,7 @@ from .quantities import (
     SpeedOverTime,
     Stiffness,
     Table,
+    Title,
     Torque,
     TorqueOverTime,
     TorsionalDamping,
@@ -335,8 +337,8 @@ def suggest(name: object, known: Sequence[str], what: str) -> str:
 class Scene(Table):
     """A gearbox, its loads and the effects it calls for; immutable and in SI units."""
 
-    title: Annotated[str, Field(min_length=1, max_length=200)]
-    name: str = "scene"
+    title: Title
+    name: Line = "scene"
     stages: dict[Name, Annotated[Planetary | Pair, Field(discriminator="kind")]] = {}
     rotors: dict[Name, Rotor] = {}
     couplings: dict[Name, Coupling] = {}
@@ -345,4 +347,4 @@ class Scene(Table):
     effects: Annotated[dict[str, str], BeforeValidator(_effects)] = DEFAULTS
     simulation: Simulation = Simulation()
     rayleigh: Rayleigh | None = None
-    sources: dict[str, str] = {}
+    sources: dict[str, Line] = {}

@@ -9,7 +9,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from . import gears, mesh_stiffness, train
 from .mesh_schema import Mesh
-from .schema import MOST_MEMBERS, PARTS, Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
+from .schema import MOST_MEMBERS, MOST_PLANETS, PARTS, Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
 from .tolerances import oversized
 
 RESERVED = ("reference", "origin", "gravity", "loads", "couplings")
@@ -58,7 +58,8 @@ def too_many(plain: Mapping[str, Any]) -> Iterator[str]:
     """Tell which tables of a raw scene have more entries than any drive train, before anything else is done."""
     stages = _table(plain, "stages")
     planets = [stage.get("planets") for stage in stages.values() if isinstance(stage, dict)]
-    count = len(_table(plain, "rotors")) + 2 * len(stages) + sum(n for n in planets if isinstance(n, int))
+    counted = sum(n for n in planets if isinstance(n, int) and 0 < n <= MOST_PLANETS)
+    count = len(_table(plain, "rotors")) + 2 * len(stages) + counted
     if count > MOST_MEMBERS:
         yield f"stages and rotors: {count} members at least, planets included; join some, {MOST_MEMBERS} at most"
     for key in ("couplings", "loads"):

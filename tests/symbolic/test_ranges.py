@@ -83,8 +83,8 @@ def test_the_schema_is_walked_through():
 def test_what_is_no_number_of_a_gearbox_is_refused_by_key(key):
     mark = SINGLE[key]
     unit, (least, most) = mark.unit, mark.bounds or RANGES[mark.unit]
-    bad = [f"nan {unit}", f"inf {unit}", f"-inf {unit}", f"{2 * most!r} {unit}", f"-{2 * most!r} {unit}", f"1e300 {unit}",
-           float("nan"), float("inf"), -1, 0, True, [f"1 {unit}"], {}, ""]  # fmt: skip
+    bad = [f"{number} {unit}" for number in ("nan", "inf", "-inf", 2 * most, -2 * most, 1e300)]
+    bad += [float("nan"), float("inf"), -1, 0, True, [f"1 {unit}"], {}, ""]
     if mark.positive:
         bad += [f"0 {unit}", f"-{most!r} {unit}", f"{least / 2!r} {unit}"]
     for value in bad:

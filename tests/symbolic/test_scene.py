@@ -587,6 +587,35 @@ def test_control_characters_do_not_reach_the_terminal():
     assert "\\x1b[31mred\\x07: unknown key" in text
 
 
+@pytest.mark.parametrize(
+    "bad", ["\n", "\t", "\r", "\x1b[31m", "\x07", "\x7f", "\x9b31m", "\u202e", "\u2066", "\u2028", "\0"]
+)
+def test_texts_of_a_scene_are_lines_that_no_terminal_obeys(bad):
+    changes = {
+        "title": f"gear{bad}box",
+        "stages.lsp.module": {"value": "16 mm", "source": f"printed: Table{bad} 2"},
+        f"rotors.a{bad}": {"inertia": "1 kg*m^2"},
+        "loads.ring.member": f"lsp.ring{bad}",
+        "effects.gravity": f"on{bad}",
+    }
+    text = message(edited("lsp", changes))
+    assert all(c.isprintable() for c in text.replace("\n", ""))
+    told = [line.strip() for line in text.splitlines()[1:]]
+    for key in ("title", "stages.lsp.module.source"):
+        (line,) = [line for line in told if line.startswith(f"{key}: ")]
+        assert line.endswith("which is no character of a line of text; leave it out")
+    for key in ("rotors.a", "loads.ring.member: there is no member", "effects.gravity: "):
+        assert any(line.startswith(key) for line in told)
+    kept = load_scene("lsp").model_dump_json().replace("Table 2", "Table\\u001b 2")
+    with pytest.raises(SceneError, match=r"stages\.lsp\.module\.source: holds"):
+        restore_scene(kept)
+
+
+def test_titles_of_any_script_are_lines():
+    for title in ("Getriebe für Überlast, 2 µm", "कर\u200dम", "変速機 🚜"):
+        assert make_scene(edited("lsp", {"title": title})).title == title
+
+
 def test_wide_profile_shifts_are_solved():
     changes = {"stages.psh.input.profile_shift": 1.9, "stages.psh.output.profile_shift": 1.9}
     assert build_model(make_scene(edited("psh", changes))).values()

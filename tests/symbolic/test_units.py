@@ -103,7 +103,7 @@ def test_a_bare_number_is_refused_and_the_cure_is_named(bare):
 
 @pytest.mark.parametrize("thing", [[16], ["16 mm"], {"value": "16 mm"}, True])
 def test_what_is_no_text_is_told_so(thing):
-    with pytest.raises(ValueError, match='must be text with a number and a unit, not .*; write it like "16 mm"'):
+    with pytest.raises(ValueError, match=r'must be text with a number and a unit, not .*; write it like "16 mm"'):
         parse(thing, "m")
 
 
