@@ -9,11 +9,9 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from . import gears, mesh_stiffness, train
 from .mesh_schema import Mesh
-from .schema import Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
+from .schema import MOST_MEMBERS, MOST_PLANETS, PARTS, Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
+from .tolerances import oversized
 
-PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
-SMALL = 0.05
-"""The most that a gap or an error may be of the centre distance; beyond, small ones were meant."""
 RESERVED = ("reference", "origin", "gravity", "loads", "couplings")
 ONE_STAGE: TypeAdapter[Planetary | Pair] = TypeAdapter(Annotated[Planetary | Pair, Field(discriminator="kind")])
 
@@ -54,6 +52,19 @@ def validate_parts(plain: Mapping[str, Any], context: Mapping[str, Any]) -> list
             everyone |= {f"{name}.{part}": getattr(stage, part) for part in PARTS[stage.kind]}
             faults += _stage(name, stage)
     return [*_names(stages, _table(plain, "rotors")), *_references(everyone, plain), *faults]
+
+
+def too_many(plain: Mapping[str, Any]) -> Iterator[str]:
+    """Tell which tables of a raw scene have more entries than any drive train, before anything else is done."""
+    stages = _table(plain, "stages")
+    planets = [stage.get("planets") for stage in stages.values() if isinstance(stage, dict)]
+    counted = sum(n for n in planets if isinstance(n, int) and 0 < n <= MOST_PLANETS)
+    count = len(_table(plain, "rotors")) + 2 * len(stages) + counted
+    if count > MOST_MEMBERS:
+        yield f"stages and rotors: {count} members at least, planets included; join some, {MOST_MEMBERS} at most"
+    for key in ("couplings", "loads"):
+        if len(_table(plain, key)) > MOST_MEMBERS:
+            yield f"{key}: has {len(_table(plain, key))} entries; leave out some, {MOST_MEMBERS} at most"
 
 
 def _table(plain: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -124,38 +135,11 @@ def _stage(name: str, stage: Planetary | Pair) -> Iterator[str]:
     if not faults:
         for mesh_name, mesh, one, two, sigma in meshes(stage):
             faults += _mesh(f"{key}.{mesh_name}", stage, mesh, one, two, sigma)
-        faults += _small(key, stage)
+        faults += oversized(key, stage, meshes(stage))
         if isinstance(stage, Planetary):
             faults += _support(key, stage)
             faults += [*_assembly(key, stage), *(_room(key, stage) if not faults else ())]
     yield from faults
-
-
-def _small(key: str, stage: Planetary | Pair) -> Iterator[str]:
-    """Check that gaps and errors are small beside the stage, and that gaps are none or more."""
-    lengths: dict[str, float] = {}
-    for name, mesh, *_ in meshes(stage):
-        lengths[f"{name}.backlash"] = mesh.backlash
-        lengths |= {f"{name}.tooth_errors.{i}.error": item.error for i, item in enumerate(mesh.tooth_errors)}
-        harmonics = mesh.transmission_error.amplitudes if mesh.transmission_error else ()
-        lengths |= {f"{name}.transmission_error.amplitudes.{i}": size for i, size in enumerate(harmonics)}
-    for part in PARTS[stage.kind]:
-        gear = getattr(stage, part)
-        if isinstance(gear, Gear) and gear.eccentricity is not None:
-            lengths[f"{part}.eccentricity.radius"] = gear.eccentricity.radius
-        if gear.bearing is not None and gear.bearing.clearance is not None:
-            lengths[f"{part}.bearing.clearance"] = gear.bearing.clearance
-    if isinstance(stage, Planetary):
-        lengths["pin.clearance"] = stage.pin.clearance or 0.0
-        lengths |= {f"eccentricities.{i}.radius": item.radius for i, item in enumerate(stage.eccentricities)}
-        for i, item in enumerate(stage.position_errors):
-            lengths |= {f"position_errors.{i}.{axis}": getattr(item, axis) for axis in ("radial", "tangential")}
-    most = SMALL * gears.stage_distance(stage)
-    for name, length in lengths.items():
-        if abs(length) > most:
-            yield f"{key}.{name}: {length * 1e3:.4g} mm is no small error; {most * 1e3:.4g} mm at most"
-        if length < 0 and name.endswith(("backlash", "radius")):
-            yield f"{key}.{name}: must not be less than zero"
 
 
 def meshes(stage: Planetary | Pair) -> list[tuple[str, Mesh, Gear, Gear, int]]:

@@ -143,7 +143,7 @@ def cost(
     if output is not None:
         check_figure(output, scene)
     opened = open_scene(scene, changes)
-    variants = open_variants(scene, split_changes(changes), opened)
+    variants = open_variants(split_changes(changes), opened)
     rate = rate_of(opened, compile_model(opened))
     with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
         rows = measure_costs(variants, t_end=t_end, rate=rate, rtol=rtol, told=told)
