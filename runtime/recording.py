@@ -23,7 +23,7 @@ from .part import Part, part_of
 from .reading import Reader, Rows, motion_statistics, no_rows
 from .results import check_target
 from .sampling import Block, Points
-from .signals import Pairs
+from .signals import Pairs, Signals
 from .simulation import (
     AUTO,
     DEFAULT_METHOD,
@@ -97,11 +97,12 @@ def record(
     check_options(method, rtol, t_end)
     check_target(target)
     settings = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol}
+    p, clock = library.parameters(values), perf_counter()
+    Signals(library.manifest.signals, tables or {})  # refuses tables before anything is described
     run = describe_run(library, values, tables or {}, settings | {"raw": raw})
     if resume:
         check_resumable(target)
     kept = read_checkpoint(target, run) if resume else None
-    p, clock = library.parameters(values), perf_counter()
     at = _equilibrium_of(kept) if kept else find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
     choice = choose(library, at, p, rtol) if method == AUTO else Choice(method, None)
