@@ -19,6 +19,7 @@ from .march import March, Snapshot
 from .sampling import Block, Points, Samples, join
 from .signals import Pairs, Signals
 from .stepper import EXPLICIT, Counts
+from .switching import levels_of
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
@@ -50,6 +51,8 @@ class Outcome:
         ``done``, or why it stopped and what to do.
     end
         Time reached [s].
+    last
+        States, levels and load signals, and parameters there.
     seconds
         Time taken to set the integrator up (it may have to be compiled), to integrate and to read outputs [s].
     """
@@ -62,6 +65,7 @@ class Outcome:
     extremes: MeshExtremes
     status: str
     end: float
+    last: tuple[Vector, Vector, Vector]
     seconds: dict[str, float]
 
 
@@ -155,11 +159,13 @@ class Integration:
         expected = march.expected_events()
         if status == "done" and expected != events:
             status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
-        energy = march.first_energy, march.energy(march.z, march.cells, self.signals.at(march.time))
+        signals = self.signals.at(march.time)
+        energy = march.first_energy, march.energy(march.z, march.cells, signals)
+        x, s = march.frame.origin + march.frame.scale * march.z, np.concatenate([levels_of(march.cells), signals])
         end = min(march.time, self.samples.end)
         return Outcome(
             march.state.work, march.state.jump_energy, energy, march.counts, expected, march.extremes, status, end,
-            self.seconds,
+            (x, s, march.p.copy()), self.seconds,
         )  # fmt: skip
 
     def snapshot(self) -> Snapshot:

@@ -20,7 +20,7 @@ from .integration import Integration, Outcome
 from .library import Library
 from .march import Snapshot
 from .part import Part, part_of
-from .reading import Reader, Rows, motion_statistics, no_rows
+from .reading import Reader, Rows, judge, motion_statistics, no_rows
 from .results import check_target
 from .sampling import Block, Points
 from .signals import Pairs, Signals
@@ -121,10 +121,10 @@ def record(
             told,
             lambda: write_checkpoint(target, run, integration.snapshot() | recorder.snapshot() | start),
         )
-        heading = recorder.finish(outcome)
+        heading = recorder.finish(outcome := judge(reader, outcome))
         summary = (
             about
-            | summarise(library, p, at, outcome, tell_forces(heading, static_strain(library, p, at)))
+            | summarise(library, p, at, outcome, tell_forces(heading, static_strain(library, p, at)), reader)
             | {"seconds": seconds | outcome.seconds}
         )
         if verify:

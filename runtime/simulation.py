@@ -18,8 +18,9 @@ from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import Integration, Outcome, check_length
 from .kernel import Kernel
 from .library import Library
+from .machines import past_breakdown
 from .rates import Rate, choose_rate
-from .reading import Reader, Rows, by_quantity, join_rows, motion_statistics
+from .reading import Reader, Rows, by_quantity, join_rows, judge, motion_statistics
 from .results import Result
 from .rounding import round_statistics
 from .scaling import LOADED
@@ -156,12 +157,12 @@ class Run:
 
     def conclude(self) -> tuple["xr.Dataset", dict[str, Any]]:
         """Return the data and the summary."""
-        outcome, clock = self.integration.conclude(), perf_counter()
+        outcome, clock = judge(self.reader, self.integration.conclude()), perf_counter()
         rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
         dataset = make_dataset(self.library, self.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
         forces = tell_forces(dataset, static_strain(self.library, self.p, self.at))
-        about = summarise(self.library, self.p, self.at, outcome, forces)
+        about = summarise(self.library, self.p, self.at, outcome, forces, self.reader)
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
 
@@ -214,11 +215,13 @@ def static_strain(library: Library, p: Vector, at: Equilibrium) -> float:
 
 
 def summarise(
-    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any]
+    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any], reader: Reader
 ) -> dict[str, Any]:
     """Return how an integration went, what it is worth, and the forces it found."""
     strain = static_strain(library, p, at)
     residual = energy_residual(library, p, at, outcome)
+    told = [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())]
+    told += [*reader.teeth.strained(reader.deepest), *past_breakdown(library, *outcome.last)]
     return {
         "status": outcome.status,
         "simulated_s": outcome.end,
@@ -227,7 +230,7 @@ def summarise(
         "energy_residual": residual,
         "static_strain_j": strain,
         "forces": forces,
-        "warnings": [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())],
+        "warnings": told,
     }
 
 
