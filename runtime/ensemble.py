@@ -60,6 +60,7 @@ def simulate_many(
     told: Told = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
     workers: int | None = None,
+    long: bool = False,
 ) -> Iterator[Result]:
     """Simulate a model with many parameter sets; each result is to the last bit that of ``simulate``.
 
@@ -94,7 +95,7 @@ def simulate_many(
     if rate is not None:
         check_length(t_end * rate)
         check_size(library, t_end * rate * min(len(given), AHEAD * count + 1))
-    options = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "raw": raw, "tables": tables}
+    options = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "raw": raw, "tables": tables, "long": long}
     vectors = [library.parameters(values) for values in given]
     return _Ensemble(library, vectors, options, attributes, told).results(count)
 

@@ -65,6 +65,7 @@ def record(
     tables: Mapping[str, Pairs] | None = None,
     resume: bool = False,
     verify: bool = False,
+    long: bool = False,
 ) -> dict[str, Any]:
     """Simulate from the loaded equilibrium into a NetCDF4 file.
 
@@ -105,11 +106,11 @@ def record(
     kept = read_checkpoint(target, run) if resume else None
     at = _equilibrium_of(kept) if kept else find_equilibrium(library, p, tables=tables)
     seconds = {"equilibrium": perf_counter() - clock}
-    choice = choose(library, at, p, rtol) if method == AUTO else Choice(method, None)
+    choice = choose(library, at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
     sampling = take_rate(library, at, p, t_end, rate, tables)
     about = list_settings(library, choice, rtol, sampling, raw)
     options: dict[str, Any] = settings | {"rate": sampling.rate, "method": choice.method, "tables": tables}
-    integration = Integration(library, p, at, passing=passing_speed(sampling.rate, raw), **options)
+    integration = Integration(library, p, at, passing=passing_speed(sampling.rate, raw), long=long, **options)
     reader = Reader(library, p, sampling.rate, t_end, raw)
     recorder = Recorder(library, p, target, reader, to_attributes(attributes, about), kept)
     if kept:

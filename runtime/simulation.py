@@ -74,6 +74,7 @@ def simulate(
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
     verify: bool = False,
+    long: bool = False,
 ) -> Result:
     """Simulate from the loaded equilibrium, and keep all samples in memory (``record`` writes them to a file).
 
@@ -99,15 +100,19 @@ def simulate(
         Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
     verify
         Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
+    long
+        Begin a run too that is reckoned to take more than about an hour (``guard``); else it is refused.
 
     Raises
     ------
     SolverError
         If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
+    LtcgearError
+        If a name, a number or an option is none that the model or the method can take.
     """
     check_options(method, rtol, t_end)
     p = library.parameters(values)
-    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables)
+    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables, long=long)
     run.follow(told)
     dataset, summary = run.conclude()
     if verify:
@@ -136,12 +141,12 @@ class Run:
 
     def __init__(
         self, library: Library, p: Vector, *, t_end: float, rate: float | None, method: str, rtol: float, raw: bool,
-        tables: Mapping[str, Pairs] | None,
+        tables: Mapping[str, Pairs] | None, long: bool = False,
     ) -> None:  # fmt: skip
         self.library, self.p, clock = library, p, perf_counter()
         self.at = find_equilibrium(library, p, tables=tables)
         self.seconds = {"equilibrium": perf_counter() - clock}
-        choice = choose(library, self.at, p, rtol) if method == AUTO else Choice(method, None)
+        choice = choose(library, self.at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
         sampling = take_rate(library, self.at, p, t_end, rate, tables)
         check_size(library, t_end * sampling.rate)
         self.about = list_settings(library, choice, rtol, sampling, raw)
@@ -149,7 +154,8 @@ class Run:
             "t_end": t_end, "rate": sampling.rate, "method": choice.method, "rtol": rtol, "tables": tables,
         }  # fmt: skip
         self.reader, self.rows = Reader(library, p, sampling.rate, t_end, raw), list[Rows]()
-        self.integration = Integration(library, p, self.at, passing=passing_speed(sampling.rate, raw), **self.settings)
+        passing = passing_speed(sampling.rate, raw)
+        self.integration = Integration(library, p, self.at, passing=passing, long=long, **self.settings)
 
     def follow(self, told: Callable[[float], None]) -> None:
         """Integrate, and read the outputs."""
