@@ -18,8 +18,9 @@ from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import Integration, Outcome, check_length
 from .kernel import Kernel
 from .library import Library
+from .machines import past_breakdown
 from .rates import Rate, choose_rate
-from .reading import Reader, Rows, by_quantity, join_rows, motion_statistics
+from .reading import Reader, Rows, by_quantity, join_rows, judge, motion_statistics
 from .results import Result
 from .rounding import round_statistics
 from .scaling import LOADED
@@ -73,6 +74,7 @@ def simulate(
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
     verify: bool = False,
+    long: bool = False,
 ) -> Result:
     """Simulate from the loaded equilibrium, and keep all samples in memory (``record`` writes them to a file).
 
@@ -98,15 +100,19 @@ def simulate(
         Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
     verify
         Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
+    long
+        Begin a run too that is reckoned to take more than about an hour (``guard``); else it is refused.
 
     Raises
     ------
     SolverError
         If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
+    LtcgearError
+        If a name, a number or an option is none that the model or the method can take.
     """
     check_options(method, rtol, t_end)
     p = library.parameters(values)
-    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables)
+    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables, long=long)
     run.follow(told)
     dataset, summary = run.conclude()
     if verify:
@@ -135,12 +141,12 @@ class Run:
 
     def __init__(
         self, library: Library, p: Vector, *, t_end: float, rate: float | None, method: str, rtol: float, raw: bool,
-        tables: Mapping[str, Pairs] | None,
+        tables: Mapping[str, Pairs] | None, long: bool = False,
     ) -> None:  # fmt: skip
         self.library, self.p, clock = library, p, perf_counter()
         self.at = find_equilibrium(library, p, tables=tables)
         self.seconds = {"equilibrium": perf_counter() - clock}
-        choice = choose(library, self.at, p, rtol) if method == AUTO else Choice(method, None)
+        choice = choose(library, self.at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
         sampling = take_rate(library, self.at, p, t_end, rate, tables)
         check_size(library, t_end * sampling.rate)
         self.about = list_settings(library, choice, rtol, sampling, raw)
@@ -148,7 +154,8 @@ class Run:
             "t_end": t_end, "rate": sampling.rate, "method": choice.method, "rtol": rtol, "tables": tables,
         }  # fmt: skip
         self.reader, self.rows = Reader(library, p, sampling.rate, t_end, raw), list[Rows]()
-        self.integration = Integration(library, p, self.at, passing=passing_speed(sampling.rate, raw), **self.settings)
+        passing = passing_speed(sampling.rate, raw)
+        self.integration = Integration(library, p, self.at, passing=passing, long=long, **self.settings)
 
     def follow(self, told: Callable[[float], None]) -> None:
         """Integrate, and read the outputs."""
@@ -156,12 +163,12 @@ class Run:
 
     def conclude(self) -> tuple["xr.Dataset", dict[str, Any]]:
         """Return the data and the summary."""
-        outcome, clock = self.integration.conclude(), perf_counter()
+        outcome, clock = judge(self.reader, self.integration.conclude()), perf_counter()
         rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
         dataset = make_dataset(self.library, self.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
         forces = tell_forces(dataset, static_strain(self.library, self.p, self.at))
-        about = summarise(self.library, self.p, self.at, outcome, forces)
+        about = summarise(self.library, self.p, self.at, outcome, forces, self.reader)
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
 
@@ -214,11 +221,13 @@ def static_strain(library: Library, p: Vector, at: Equilibrium) -> float:
 
 
 def summarise(
-    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any]
+    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any], reader: Reader
 ) -> dict[str, Any]:
     """Return how an integration went, what it is worth, and the forces it found."""
     strain = static_strain(library, p, at)
     residual = energy_residual(library, p, at, outcome)
+    told = [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())]
+    told += [*reader.teeth.strained(reader.deepest), *past_breakdown(library, *outcome.last)]
     return {
         "status": outcome.status,
         "simulated_s": outcome.end,
@@ -227,7 +236,7 @@ def summarise(
         "energy_residual": residual,
         "static_strain_j": strain,
         "forces": forces,
-        "warnings": [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())],
+        "warnings": told,
     }
 
 

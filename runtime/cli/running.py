@@ -15,6 +15,7 @@ from ..options import (
     EndTime,
     FigureFile,
     Force,
+    Long,
     Method,
     Raw,
     RecordFile,
@@ -43,6 +44,7 @@ def simulate(
     verify: Verify = False,
     accuracy: Accuracy = None,
     record: RecordFile = None,
+    long: Long = False,
     changes: Changes = None,
     force: Force = False,
     as_json: AsJson = False,
@@ -51,7 +53,7 @@ def simulate(
     sources = {name: context.get_parameter_source(name) for name in ("method", "rtol")}
     given = [f"--{name}" for name, source in sources.items() if source and source.name == "COMMANDLINE"]
     check_accuracy(accuracy, record, given)
-    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record)
+    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record, long)
     present.show(as_json, summary, present.simulated)
     finished(summary)
 
@@ -85,6 +87,7 @@ def run(
     verify: bool = False,
     accuracy: str | None = None,
     record_file: Path | None = None,
+    long: bool = False,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
     from ..recording import record
@@ -114,6 +117,7 @@ def run(
             "told": told,
             "tables": opened.model.tables,
             "verify": verify,
+            "long": long,
         }
         if output is None:
             summary = simulate_model(library, opened.model.values(), **options).summary
