@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.contract import Artifact
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ..progress import progress
 
@@ -172,6 +172,8 @@ def open_variants(name: str, changes: dict[str, str], opened: Opened) -> "list[V
             try:
                 model = build_model(load_scene(name, changes | {f"effects.{item.effect}": item.without}))
                 made = Variant(*key, build(obtain(model)), model.values(), tables=model.tables)
+            except MachineError:
+                raise
             except LtcgearError as error:
                 made = Variant(*key, None, {}, str(error))
             variants.append(made)
