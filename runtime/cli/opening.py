@@ -1,6 +1,5 @@
 """Scenes on their way through the house: scene -> model -> C -> library."""
 
-import sys
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -9,6 +8,7 @@ from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ..progress import progress
+from ..terminal import tell
 
 if TYPE_CHECKING:
     from ltcgear.symbolic.model import Model
@@ -66,7 +66,7 @@ def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False,
     model = build_model(led)
     seconds = {"load": perf_counter() - clock}
     for line in [*warnings(scene, model), *load_warnings(scene)]:
-        print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
+        tell(f"warning: {name}: {line}")
     about = describe_scene(scene, read_scene_text(name), replaced)
     artifact = obtain(model, lambda stage, taken: seconds.update({stage: taken}), fresh)
     return Opened(scene, model, artifact, content_key(model), about, seconds, inputs)
@@ -80,7 +80,7 @@ def compile_model(opened: Opened) -> "Library":
     library = build(opened.artifact)
     opened.seconds["compile"] = perf_counter() - clock
     if library.path is None:
-        print(NO_COMPILER, file=sys.stderr)
+        tell(NO_COMPILER)
     return library
 
 

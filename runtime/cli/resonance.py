@@ -11,6 +11,7 @@ from ltcgear.generated.errors import LtcgearError
 from .. import present, present_resonance
 from ..options import AsJson, Changes, SceneName
 from ..progress import progress
+from ..terminal import say
 from .app import app
 from .linear import open_linear
 from .opening import compile_model, open_scene
@@ -117,4 +118,4 @@ def _write(
     else:
         (write if path.suffix == ".csv" else draw)(data, path)
     if not as_json:
-        print(f"wrote {path}")
+        say(f"wrote {path}")

@@ -4,6 +4,7 @@ from typing import Any
 
 from .. import present
 from ..options import AsJson, ExportFile, Outputs, ResultPath
+from ..terminal import say
 from .app import app
 
 
@@ -17,4 +18,4 @@ def export(file: ResultPath, output: ExportFile, outputs: Outputs = None, as_jso
     check_export(output, file)
     export_result(load(file), output, outputs)
     data: dict[str, Any] = {"files": [str(output)]}
-    present.show(as_json, data, lambda shown: print(f"wrote {output}"))
+    present.show(as_json, data, lambda shown: say(f"wrote {output}"))

@@ -1,6 +1,5 @@
 """Commands that simulate: simulate, cost."""
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from ..options import (
     Verify,
 )
 from ..progress import progress
+from ..terminal import tell
 from .app import InterruptedRunError, app
 from .measuring import check_accuracy, find_setting
 from .opening import compile_model, open_scene, open_variants, rate_of, split_changes
@@ -79,10 +79,7 @@ def _check_result(scene: str, output: Path | None, resume: bool) -> None:
     if resume:
         check_resumable(output)
     elif checkpoint_of(output).is_file():
-        print(
-            f"ltcgear: warning: {part_of(output)}: an unfinished run is begun anew; --resume goes on with it",
-            file=sys.stderr,
-        )
+        tell(f"warning: {part_of(output)}: an unfinished run is begun anew; --resume goes on with it")
 
 
 def run(
