@@ -184,7 +184,7 @@ class Integration:
                 mark()
                 marked = perf_counter()
             if brake.pulled:
-                return f"interrupted at t = {march.time:.6g} s; what was computed until then is kept"
+                return f"interrupted at t = {march.time:.6g} s"
             try:
                 march.proceed(SLICE)
             except RuntimeError as error:

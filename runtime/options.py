@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from ltcgear.generated import writing
 
 SHORTEST_PAPER = 0.2  # [s]: half of it must hold some turns of the slowest mesh for tables and spectra
 
@@ -27,6 +28,12 @@ ResultFile = Annotated[
 ]
 Resume = Annotated[
     bool, typer.Option("--resume", help="Go on with a run that was stopped or killed; give what it was given.")
+]
+Force = Annotated[
+    bool,
+    typer.Option(
+        "--force", callback=writing.force, help="Write over whatever is there: another kind of file, an unfinished run."
+    ),
 ]
 ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for result and figures.")]
 EndTime = Annotated[

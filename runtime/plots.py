@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from ltcgear.generated.writing import written_whole
 
 from .analysis.lines import find_clues
 from .comparison import PRINTED_FORCE, named_lines, position_spectrum, published
-from .results import written_whole
 from .rounding import without_rounding
 from .statistics import group_of, mesh_frequencies, pressure_angles, steady_start, window
 
@@ -138,13 +138,13 @@ def make_canvas(width: float, height: float) -> Figure:
     return figure
 
 
-def save_figure(figure: Figure, path: Path) -> Path:
+def save_figure(figure: Figure, path: Path, dpi: float = 150) -> Path:
     """Write a figure; the suffix is the format. Text in SVG stays text, and equal figures give equal files."""
     from matplotlib import rc_context
 
     meta = {"Date": None} if path.suffix == ".svg" else {"CreationDate": None} if path.suffix == ".pdf" else {}
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": "ltcgear"}), written_whole(path) as draft:
-        figure.savefig(draft, dpi=150, metadata=meta)
+        figure.savefig(draft, dpi=dpi, metadata=meta)
     return path
 
 

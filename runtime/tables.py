@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.text import write_out
+from ltcgear.generated.writing import write_rows
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -74,11 +74,7 @@ class Table:
 
     def write_csv(self, path: Path) -> Path:
         """Write headings and rows as a CSV file, numbers at full precision, nothing for an empty cell."""
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(self.columns)
-            writer.writerows([_plain(cell) for cell in row] for row in self.rows)
-        return path
+        return write_rows([self.columns, *([_plain(cell) for cell in row] for row in self.rows)], path)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         from rich.box import SIMPLE_HEAD

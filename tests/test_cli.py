@@ -11,6 +11,7 @@ from time import sleep
 
 import pytest
 from ltcgear.generated import store as generated_store
+from ltcgear.generated import writing
 from ltcgear.runtime import cli, integration, library, native, present
 from ltcgear.symbolic.scene import shipped_scenes
 
@@ -211,25 +212,25 @@ def test_simulate(data, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
 
 
-def test_an_interrupted_run_goes_on_or_is_begun_anew(run, tmp_path, monkeypatch):
+def test_an_interrupted_run_goes_on_or_is_begun_anew(run, refused, tmp_path, monkeypatch):
     @contextmanager
     def stopping(title, end):
         yield lambda now: os.kill(os.getpid(), signal.SIGINT)
 
     command = ("simulate", "psh", *SHORT, "-o", tmp_path / "result.nc")
-    for last, told in (("--resume", ""), ("--json", "result.part.nc: an unfinished run is begun anew; --resume goes")):
+    for last in ("--resume", "--force"):
         with monkeypatch.context() as patch:
             patch.setattr(cli.running, "progress", stopping)
             patch.setattr(integration, "SLICE", 0.0)
             code, _, err = run(*command)
         assert code == 130
         assert err.startswith("ltcgear: interrupted at t = ")
-        assert "--resume goes on" in err
-        assert len(list(tmp_path.iterdir())) == 3
-        code, _, err = run(*command, last)
-        assert (code, bool(err)) == (0, bool(told))
-        assert told in err
+        assert err.endswith("result.part.nc, --resume goes on\n")
+        assert sorted(path.suffixes[0] for path in tmp_path.iterdir()) == [".checkpoint", ".part"]
+        assert "--resume goes on with it; to begin anew, delete it or give --force" in refused(*command)
+        assert run(*command, last)[0] == 0
         assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
+        (tmp_path / "result.nc").unlink()
 
 
 @pytest.mark.parametrize("method", ["erk", "cvodes", "adams", "idas", "rosenbrock", "sundae"])
@@ -379,7 +380,7 @@ def test_a_folder_without_the_right_to_write_is_refused_before_computing(refused
     def refuse(*arguments, **keys):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
+    monkeypatch.setattr(writing, "make_draft", refuse)
     assert "cannot be written" in refused("simulate", "lsp", "-o", tmp_path / "x.nc")
 
 

@@ -7,7 +7,7 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 
 from .. import present
-from ..options import AsJson, CFolder, Changes, Fresh, MaybeScene, Printed, SceneName, Sources
+from ..options import AsJson, CFolder, Changes, Force, Fresh, MaybeScene, Printed, SceneName, Sources
 from .app import app
 from .opening import compile_model, open_scene, read_run, split_changes
 
@@ -67,7 +67,12 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
 
 @app.command()
 def generate(
-    scene: SceneName, output: CFolder = None, fresh: Fresh = False, changes: Changes = None, as_json: AsJson = False
+    scene: SceneName,
+    output: CFolder = None,
+    fresh: Fresh = False,
+    changes: Changes = None,
+    force: Force = False,
+    as_json: AsJson = False,
 ) -> None:
     """Derive, check, emit and compile a scene's C, and keep it in the store.
 

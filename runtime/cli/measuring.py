@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from ltcgear.generated.errors import LtcgearError, SolverError
+from ltcgear.generated.writing import make_folder
 
 from .. import present
-from ..options import AsJson, Changes, SceneName
+from ..options import AsJson, Changes, Force, SceneName
 from ..progress import progress
 from ..terminal import tell
 from .app import app
@@ -38,7 +39,8 @@ RecordFolder = Annotated[
 @app.command()
 def accuracy(
     scene: SceneName, output: RecordFolder = None, preset: PresetName = "quick", t_end: StudyEnd = None,
-    method: MethodNames = None, rtol: Tolerances = None, changes: Changes = None, as_json: AsJson = False,
+    method: MethodNames = None, rtol: Tolerances = None, changes: Changes = None,
+    force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Measure which accuracy every method gives for its time. Exit code 3 where there is no reference to judge by."""
     from ..precision.listing import make_tables
@@ -46,7 +48,6 @@ def accuracy(
     from ..precision.presets import check_preset
     from ..precision.record import keep, write_record
     from ..precision.study import phases_setting
-    from ..results import make_folder
     from ..simulation import check_options
     from ..stepper import METHODS, check_method
 

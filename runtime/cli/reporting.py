@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output
 
 from .. import present
-from ..options import AsJson, ResultPath
-from ..results import check_target
+from ..options import AsJson, Force, ResultPath
 from ..results import load as load_result
 from ..terminal import say
 from .app import app
@@ -30,13 +30,18 @@ Modes = Annotated[bool, typer.Option("--modes/--no-modes", help="Show mode shape
 
 @app.command()
 def report(
-    file: ResultPath, output: PageFile = None, at: At = None, modes: Modes = True, as_json: AsJson = False
+    file: ResultPath,
+    output: PageFile = None,
+    at: At = None,
+    modes: Modes = True,
+    force: Force = False,
+    as_json: AsJson = False,
 ) -> None:
     """Write a result as one page of HTML: stages in motion, figures, tables, the scene. It needs no network."""
     from ..report.page import check_templates, write_report
 
-    target = file.parent / f"{file.stem}.html" if output is None else output
-    check_target(target, file)
+    target = file.with_name(f"{file.stem}.html") if output is None and file.name else output or file
+    check_output(target, file)
     if target.suffix not in (".html", ".htm"):
         raise LtcgearError(f"{target}: a report is a page of HTML; name it {target.with_suffix('.html')}")
     check_templates()

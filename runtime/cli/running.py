@@ -14,6 +14,7 @@ from ..options import (
     CostEnd,
     EndTime,
     FigureFile,
+    Force,
     Method,
     Raw,
     RecordFile,
@@ -24,7 +25,6 @@ from ..options import (
     Verify,
 )
 from ..progress import progress
-from ..terminal import tell
 from .app import InterruptedRunError, app
 from .measuring import check_accuracy, find_setting
 from .opening import compile_model, open_scene, open_variants, rate_of, split_changes
@@ -44,6 +44,7 @@ def simulate(
     accuracy: Accuracy = None,
     record: RecordFile = None,
     changes: Changes = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4, as it comes."""
@@ -62,24 +63,14 @@ def finished(summary: dict[str, Any]) -> None:
         raise (InterruptedRunError if status.startswith("interrupted") else SolverError)(status)
 
 
-def _check_result(scene: str, output: Path | None, resume: bool) -> None:
+def _check_result(output: Path | None, resume: bool, *sources: Path | str | None) -> None:
     """Refuse a result file that cannot be written or gone on with, before anything is computed."""
-    from ..checkpoint import checkpoint_of
-    from ..part import part_of
-    from ..recording import check_resumable
-    from ..results import check_target
+    from ..recording import check_recordable
 
-    if output is None:
-        if resume:
-            raise LtcgearError("--resume: say which result is to go on, -o FILE.nc")
-        return
-    check_target(output, Path(scene))
-    if output.suffix != ".nc":
-        raise LtcgearError(f"{output}: results are NetCDF4 files; name it {output.with_suffix('.nc')}")
-    if resume:
-        check_resumable(output)
-    elif checkpoint_of(output).is_file():
-        tell(f"warning: {part_of(output)}: an unfinished run is begun anew; --resume goes on with it")
+    if output is not None:
+        check_recordable(output, resume, *sources)
+    elif resume:
+        raise LtcgearError("--resume: say which result is to go on, -o FILE.nc")
 
 
 def run(
@@ -101,7 +92,7 @@ def run(
     from ..simulation import simulate as simulate_model
 
     check_options(method, rtol, t_end)
-    _check_result(scene, output, resume)
+    _check_result(output, resume, scene, record_file)
     opened = open_scene(scene, changes)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
@@ -126,6 +117,8 @@ def run(
         }
         if output is None:
             summary = simulate_model(library, opened.model.values(), **options).summary
+            if summary["status"].startswith("interrupted"):
+                summary["status"] += "; nothing is kept without -o"
         else:
             summary = record(library, opened.model.values(), output, resume=resume, **options)
     return {"scene": opened.scene.name, **summary, **told_of, "seconds": opened.seconds | summary["seconds"]}
@@ -138,6 +131,7 @@ def cost(
     t_end: CostEnd = 0.25,
     rtol: Tolerance = 1e-6,
     changes: Changes = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
@@ -147,7 +141,7 @@ def cost(
 
     check_options("erk", rtol, t_end)
     if output is not None:
-        check_figure(output)
+        check_figure(output, scene)
     opened = open_scene(scene, changes)
     variants = open_variants(scene, split_changes(changes), opened)
     rate = rate_of(opened, compile_model(opened))

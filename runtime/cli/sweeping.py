@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from ltcgear.generated.errors import SolverError
+from ltcgear.generated.writing import check_output, make_folder
 
 from .. import present
-from ..options import AsJson, Changes, EndTime, Method, Raw, SceneName, Tolerance
+from ..options import AsJson, Changes, EndTime, Force, Method, Raw, SceneName, Tolerance
 from ..progress import progress
-from ..results import make_folder
 from .app import InterruptedRunError, app
 from .opening import split_changes
 
@@ -66,6 +66,7 @@ def sweep(
     scheduler: Scheduler = None,
     figures: Figures = None,
     changes: Changes = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene at many points, and keep metrics of each. Run again, it goes on where it was stopped."""
@@ -73,6 +74,7 @@ def sweep(
 
     from ..sweeping.run import sweep as sweep_scene
 
+    check_output(output, scene)
     template = Template(scene, split_changes(changes))
     _warn(template)
     if figures is not None:

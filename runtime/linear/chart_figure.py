@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output, write_rows
 
-from ..plots import BLUE, GREY, ORANGE, VERMILLION
-from ..results import check_target
+from ..plots import BLUE, GREY, ORANGE, VERMILLION, make_canvas, save_figure
 from .chart import RPM, Chart
 from .floquet import MARGIN
 
@@ -28,11 +27,11 @@ NAMED, DRAWN = 8, 16
 KINDS = {"primary": ("-", BLUE), "combination": ("--", VERMILLION), "difference": (":", ORANGE)}
 
 
-def check_file(path: Path) -> None:
+def check_file(path: Path, *sources: str) -> None:
     """Refuse a file that cannot be written or has no known format, before anything is computed."""
+    check_output(path, *sources)
     if path.suffix not in SUFFIXES:
         raise LtcgearError(f"{path}: stability is written as {', '.join(SUFFIXES)}; name it {path.with_suffix('.png')}")
-    check_target(path)
 
 
 def write_chart(chart: Chart, title: str, path: Path) -> Path:
@@ -45,7 +44,7 @@ def write_chart(chart: Chart, title: str, path: Path) -> Path:
         for m, variation in enumerate(chart.variations)
     )
     head = ("speed [rpm]", "base frequency [Hz]", "variation", "largest multiplier", "growth [1/s]", "stable")
-    return _write_rows(path, head, rows)
+    return write_rows([head, *rows], path)
 
 
 def write_multipliers(found: Floquet, title: str, path: Path) -> Path:
@@ -53,15 +52,7 @@ def write_multipliers(found: Floquet, title: str, path: Path) -> Path:
     if path.suffix != ".csv":
         return draw_multipliers(found, title, path)
     rows = ((m.value.real, m.value.imag, m.growth, m.frequency_hz, m.mode or "") for m in found.multipliers)
-    return _write_rows(path, ("real part", "imaginary part", "growth [1/s]", "frequency [Hz]", "mode"), rows)
-
-
-def _write_rows(path: Path, head: tuple[str, ...], rows: Any) -> Path:  # noqa: ANN401
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(head)
-        writer.writerows(rows)
-    return path
+    return write_rows([("real part", "imaginary part", "growth [1/s]", "frequency [Hz]", "mode"), *rows], path)
 
 
 def draw_chart(chart: Chart, title: str, path: Path) -> Path:
@@ -84,7 +75,7 @@ def draw_chart(chart: Chart, title: str, path: Path) -> Path:
         _scale_speeds(axes, chart)
     axes.set_title(title, loc="left", fontsize=11)
     _finish(axes)
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def _scale_speeds(axes: Axes, chart: Chart) -> None:
@@ -160,16 +151,12 @@ def draw_multipliers(found: Floquet, title: str, path: Path) -> Path:
     axes.set_ylabel(r"imaginary part of $\mu$")
     axes.set_title(title, loc="left", fontsize=11)
     _finish(axes)
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def _canvas(width: float, height: float) -> tuple[Figure, Axes]:
     """Return an empty figure [in] outside pyplot's global state, and its axes."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = make_canvas(width, height)
     return figure, figure.add_subplot()
 
 
@@ -179,8 +166,3 @@ def _finish(axes: Axes) -> None:
     handles, _ = axes.get_legend_handles_labels()
     if handles:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False, fontsize=9)
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    figure.savefig(path, dpi=150)
-    return path

@@ -7,11 +7,12 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from ltcgear.generated.writing import write_text
 
 from ..analysis.lines import find_clues
 from ..comparison import compare, published
 from ..linear.response import respond
-from ..pages import open_templates, write_text
+from ..pages import open_templates
 from ..plots import draw_paper_figures
 from ..report.theme import themed, write_svg
 from ..statistics import steady_start, window

@@ -6,6 +6,7 @@ for it.
 """
 
 import json
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -13,14 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.lock import Lock
+from ltcgear.generated.writing import check_output, is_forced, remove_drafts
 from numpy.typing import NDArray
 
 from ..attributes import UNFINISHED
 from ..checkpoint import tell_differences
-from ..part import BEGIN, Part, part_of
-from ..results import check_target, save
+from ..netcdf import save
+from ..part import IDENTITY, Part, part_of, read_part
 from .design import Design
-from .lock import Lock
 from .reading import DONE
 from .task import Outcome
 
@@ -35,12 +37,24 @@ KIND, ABOUT = "sweep_format", "sweep"
 """Attributes that tell the form of a sweep's file, and of which sweep it is."""
 GO_ON = "run the same command again to go on"
 CURE = "give another -o, or delete it"
+CHECK = "check"
+"""Variable of a part with each row's check sum."""
 
 
 class SweepPart(Part):
-    """Rows of a sweep under way."""
+    """Rows of a sweep under way; each bears a check sum, since they are taken up one by one."""
 
-    goes_on, again = GO_ON, "delete it to begin anew"
+    goes_on = GO_ON
+
+    def _sign(self, records: NDArray[np.void]) -> None:
+        """Put the check sum into each row."""
+        records[CHECK] = _sum_up(records, self.identity)
+
+
+def _sum_up(records: NDArray[np.void], identity: str) -> NDArray[np.int32]:
+    """Return the check sums of rows whose own is 0, those of their part only."""
+    begin, data = zlib.crc32(identity.encode()), records.view(np.uint8).reshape(len(records), -1)
+    return np.array([zlib.crc32(row.data, begin) for row in data], np.uint32).view(np.int32)
 
 
 class Store:
@@ -80,8 +94,7 @@ class Store:
         self.part: SweepPart | None = None
         self.done: set[int] = set()
         self.failed = 0
-        busy = f"{part_of(target)}: another sweep is writing it; wait for that, or give another -o"
-        self.lock = Lock(lock_of(target), busy)
+        self.lock = Lock(target)
         try:
             self._begin(about)
         except BaseException:
@@ -91,7 +104,10 @@ class Store:
     def _begin(self, about: Mapping[str, Any]) -> None:
         """Take up the rows that are there, and open the part for those that are missing."""
         path = part_of(self.target)
-        if self.target.exists():
+        remove_drafts(self.target, path)
+        if is_forced():
+            path.unlink(missing_ok=True)
+        elif self.target.exists():
             self._note(_check_sweep(self.target, about))
             if self.missing():
                 raise LtcgearError(
@@ -101,9 +117,9 @@ class Store:
             path.unlink(missing_ok=True)
             return
         kept = _check_sweep(path, about) if path.exists() else None
-        if kept is not None:
-            self._note(_arrange(kept, self.design))
         self.part = SweepPart(self.target, self._heading(), None if kept is None else kept.sizes["point"], "point")
+        if kept is not None:
+            self._note(_arrange(_leave_damage(path, kept), self.design))
 
     def _note(self, rows: "xr.Dataset") -> None:
         """Note the points that are there, and how many of them failed."""
@@ -114,12 +130,15 @@ class Store:
         """Return the file's content without any row."""
         import xarray as xr
 
-        data: dict[str, Any] = {"status": ("point", np.zeros(0, f"S{LONGEST}"))}
+        data: dict[str, Any] = {
+            "status": ("point", np.zeros(0, f"S{LONGEST}")),
+            CHECK: ("point", np.zeros(0, np.int32)),
+        }
         for name, variable in self.form.data_vars.items():
             data[str(name)] = (("point", *variable.dims), np.zeros((0, *variable.shape)), variable.attrs)
         coordinates = {str(name): coordinate for name, coordinate in self.form.coords.items()}
-        status = {"status": f"{UNFINISHED}; {GO_ON}"}
-        return xr.Dataset(data, {"point": np.zeros(0), **coordinates}, {**self.attributes, **status})
+        under_way = {"status": f"{UNFINISHED}; {GO_ON}"}
+        return xr.Dataset(data, {"point": np.zeros(0), **coordinates}, {**self.attributes, **under_way})
 
     def __enter__(self) -> "Store":
         """Use the file."""
@@ -128,7 +147,7 @@ class Store:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         """Close it, and let others write it."""
         if self.part is not None:
-            self.part.file.close()
+            self.part.close()
         self.lock.release()
 
     def missing(self) -> list[int]:
@@ -142,6 +161,7 @@ class Store:
         columns: dict[str, NDArray[Any]] = {
             "point": np.array([outcome.point], float),
             "status": np.array([_cut(outcome.status)], f"S{LONGEST}").view("S1").reshape(1, LONGEST),
+            CHECK: np.zeros(1, np.int32),
         }
         start = 0
         for name, variable in self.form.data_vars.items():
@@ -162,33 +182,28 @@ class Store:
         """
         if self.part is None:
             return
-        rows = _arrange(_open(self.part.path), self.design)
+        rows = _arrange(_leave_damage(self.part.path, _open(self.part.path)), self.design)
         if not np.array_equal(rows["point"].values, np.arange(self.design.size)):
             there = len(np.unique(rows["point"].values))
             raise LtcgearError(f"{self.part.path}: holds {there} of the sweep's {self.design.size} points; {GO_ON}")
         rows.attrs = {**self.attributes, "status": DONE}
         for variable in rows.variables.values():
             variable.encoding = {}
-        try:
-            save(rows, self.target)
-        except LtcgearError as error:
-            raise LtcgearError(f"{error}; rows are kept: make room, then {GO_ON}") from error
-        self.part.path.unlink()
-
-
-def lock_of(target: Path) -> Path:
-    """Return what is locked while rows are written."""
-    return target.with_suffix(".part.lock")
+        save(rows, self.target, GO_ON)
+        self.part.remove()
 
 
 def check_store(target: Path) -> None:
     """Refuse a file that cannot be a sweep's, before anything is computed."""
-    check_target(target)
+    check_output(target)
     if target.suffix != ".nc":
         raise LtcgearError(f"{target}: sweeps are NetCDF4 files; name it {target.with_suffix('.nc')}")
+    check_output(part_of(target))
     for path in (target, part_of(target)):
-        if path.exists():
+        if path.exists() and not is_forced():
             _open(path)
+    if part_of(target).exists():
+        read_part(part_of(target))
 
 
 def load_sweep(path: str | Path) -> "xr.Dataset":
@@ -211,7 +226,7 @@ def load_sweep(path: str | Path) -> "xr.Dataset":
         raise LtcgearError(f"{path}: no such file; {hint}")
     found = _open(path)
     if str(found.attrs.get("status", "")).startswith(UNFINISHED):
-        return _arrange(found, Design.from_json(found.attrs["design"]))
+        return _arrange(_leave_damage(path, found), Design.from_json(found.attrs["design"]))
     return found
 
 
@@ -229,6 +244,16 @@ def _open(path: Path) -> "xr.Dataset":
     if found.attrs[KIND] != FORMAT:
         raise LtcgearError(f"{path}: a sweep of form {found.attrs[KIND]}, which is not {FORMAT}; {CURE}")
     return found
+
+
+def _leave_damage(path: Path, rows: "xr.Dataset") -> "xr.Dataset":
+    """Return the rows of a part that are those that were written; the others are computed again."""
+    layout = read_part(path)
+    records = np.fromfile(path, layout.record, rows.sizes["point"], offset=layout.begin)
+    plain = records.copy()
+    plain[CHECK] = 0
+    sound = _sum_up(plain, layout.texts[IDENTITY]) == records[CHECK]
+    return rows.isel(point=np.pad(sound, (0, rows.sizes["point"] - len(sound))))
 
 
 def _check_sweep(path: Path, about: Mapping[str, Any]) -> "xr.Dataset":
@@ -250,7 +275,8 @@ def _arrange(rows: "xr.Dataset", design: Design) -> "xr.Dataset":
     status = [bytes(text).decode("utf-8", "replace") for text in rows["status"].values]
     rows = rows.assign_coords(point=points).assign(status=("point", np.array(status, dtype=object)))
     rows = rows.isel(point=order)
-    rows.attrs.pop(BEGIN, None)
+    rows = rows.drop_vars(CHECK, errors="ignore")
+    rows.attrs.pop(IDENTITY, None)
     at = points[order]
     axes = {name: (over, values[at], told) for name, (over, values, told) in design.coordinates().items()}
     return rows.assign_coords(axes)

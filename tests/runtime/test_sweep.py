@@ -331,7 +331,7 @@ def test_rows_are_kept_where_the_file_cannot_be_written(tmp_path, monkeypatch):
 
     with monkeypatch.context() as full:
         full.setattr(xr.Dataset, "to_netcdf", fail)
-        with pytest.raises(LtcgearError, match=r"HDF error; rows are kept: make room, then run the same command again"):
+        with pytest.raises(LtcgearError, match=r"HDF error; see to that .* then run the same command again to go on"):
             sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)
     assert [path.name for path in tmp_path.iterdir()] == ["a.part.nc"]
     assert sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)["computed"] == 0
@@ -394,7 +394,7 @@ def test_results_and_strange_files_are_no_sweeps(tmp_path, stored):
     with pytest.raises(LtcgearError, match=r"a\.nc: not a sweep; give another -o"):
         sweep(template, VARY, target, **FEW)
     target.write_bytes(b"nothing")
-    with pytest.raises(LtcgearError, match="not a readable NetCDF file"):
+    with pytest.raises(LtcgearError, match="holds something else than a NetCDF file"):
         sweep(template, VARY, target, **FEW)
     with pytest.raises(LtcgearError, match=r"done\.nc: a sweep, not the result of one run"):
         load(stored / "done.nc")
