@@ -2,7 +2,6 @@
 
 import ctypes
 import shutil
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -13,6 +12,7 @@ import casadi as ca
 import numpy as np
 from ltcgear.generated import store
 from ltcgear.generated.contract import FUNCTIONS, Artifact, Manifest
+from ltcgear.generated.drafts import draft
 from ltcgear.generated.errors import CompileError
 from numpy.typing import NDArray
 
@@ -113,7 +113,7 @@ def load(make: Callable[[], Path], loader: Callable[[Path], Loaded]) -> Loaded:
         path.unlink(missing_ok=True)
         path = make()
         # What was once loaded from a path stands for that path until the process ends: load from another.
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".draft-") as folder:
+        with draft(path.parent) as folder:
             return loader(Path(shutil.copy(path, folder)))
     except UNLOADABLE as error:
         raise CompileError(

@@ -1,6 +1,5 @@
 """The command that measures what accuracy costs, and the choice of settings by what it found: accuracy."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +10,7 @@ from ltcgear.generated.writing import make_folder
 from .. import present
 from ..options import AsJson, Changes, Force, SceneName
 from ..progress import progress
+from ..terminal import tell
 from .app import app
 from .opening import Opened, compile_model, open_scene, rate_of
 from .testing import MethodNames, choose
@@ -129,12 +129,12 @@ def find_setting(opened: Opened, library: "Library", asked: str, path: Path | No
     limit, source = read_percentage(asked), path or kept_path(*keys)
     if path is None and not source.is_file():
         name = opened.scene.name
-        print(f"ltcgear: {name}: no record of its accuracy yet; measuring one (preset quick)", file=sys.stderr)
+        tell(f"{name}: no record of its accuracy yet; measuring one (preset quick)")
         record = measure(opened, library, "quick")
         if record["reference"]["reason"] is not None:
             raise SolverError(f"{name}: no accuracy can be told: {record['reference']['reason']}")
         keep(record)
     setting = select_setting(read_record(source), source, limit, *keys)
     if setting.warning:
-        print(f"ltcgear: warning: {setting.warning}", file=sys.stderr)
+        tell(f"warning: {setting.warning}")
     return setting

@@ -1,14 +1,14 @@
 """Scenes on their way through the house: scene -> model -> C -> library."""
 
-import sys
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.contract import Artifact
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ..progress import progress
+from ..terminal import tell
 
 if TYPE_CHECKING:
     from ltcgear.symbolic.model import Model
@@ -71,7 +71,7 @@ def open_scene(
     model = build_model(led)
     seconds = {"load": perf_counter() - clock}
     for line in [*warnings(scene, model), *load_warnings(scene)]:
-        print(f"ltcgear: warning: {source.label}: {line}", file=sys.stderr)
+        tell(f"warning: {source.label}: {line}")
     about = describe_scene(scene, source.text, replaced)
     artifact = obtain(model, lambda stage, taken: seconds.update({stage: taken}), fresh)
     return Opened(scene, model, artifact, content_key(model), about, source, seconds, inputs)
@@ -85,7 +85,7 @@ def compile_model(opened: Opened) -> "Library":
     library = build(opened.artifact)
     opened.seconds["compile"] = perf_counter() - clock
     if library.path is None:
-        print(NO_COMPILER, file=sys.stderr)
+        tell(NO_COMPILER)
     return library
 
 
@@ -177,6 +177,8 @@ def open_variants(changes: dict[str, str], opened: Opened) -> "list[Variant]":
             try:
                 model = build_model(load_scene(opened.source, changes | {f"effects.{item.effect}": item.without}))
                 made = Variant(*key, build(obtain(model)), model.values(), tables=model.tables)
+            except MachineError:
+                raise
             except LtcgearError as error:
                 made = Variant(*key, None, {}, str(error))
             variants.append(made)

@@ -10,6 +10,7 @@ from ltcgear.generated.writing import check_output
 from .. import present
 from ..options import AsJson, Force, ResultPath
 from ..results import load as load_result
+from ..terminal import say
 from .app import app
 from .opening import restore_modes
 
@@ -47,7 +48,7 @@ def report(
     result = load_result(file)
     write_report(result, target, find_background(result, modes), at)
     data = {"result": str(file), "file": str(target), "bytes": target.stat().st_size}
-    present.show(as_json, data, lambda shown: print(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))
+    present.show(as_json, data, lambda shown: say(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))
 
 
 def find_background(result: "Result", modes: bool) -> "Background":

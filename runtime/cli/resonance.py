@@ -12,6 +12,7 @@ from ltcgear.generated.writing import check_output, write_text
 from .. import present, present_resonance
 from ..options import AsJson, Changes, Force, SceneName
 from ..progress import progress
+from ..terminal import say
 from .app import app
 from .linear import open_linear
 from .opening import compile_model, open_scene
@@ -118,4 +119,4 @@ def _write(
     else:
         (write if path.suffix == ".csv" else draw)(data, path)
     if not as_json:
-        print(f"wrote {path}")
+        say(f"wrote {path}")

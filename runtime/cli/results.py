@@ -4,6 +4,7 @@ from typing import Any
 
 from .. import present
 from ..options import AsJson, ExportFile, Force, Outputs, ResultPath
+from ..terminal import say
 from .app import app
 
 
@@ -19,4 +20,4 @@ def export(
     check_export(output, file)
     export_result(load(file), output, outputs)
     data: dict[str, Any] = {"files": [str(output)]}
-    present.show(as_json, data, lambda shown: print(f"wrote {output}"))
+    present.show(as_json, data, lambda shown: say(f"wrote {output}"))

@@ -43,13 +43,13 @@ def fresh_compiler():
 @pytest.fixture
 def runs(monkeypatch):
     """The commands that are run."""
-    seen, real = [], subprocess.run
+    seen, real = [], store.run_compiler
 
-    def run(command, **options):
+    def run(command, *limits):
         seen.append(command)
-        return real(command, **options)
+        return real(command, *limits)
 
-    monkeypatch.setattr(store.subprocess, "run", run)
+    monkeypatch.setattr(store, "run_compiler", run)
     return seen
 
 
@@ -270,7 +270,7 @@ def test_a_store_that_cannot_be_written_is_told(home):
     home.mkdir(mode=0o700)
     (home / "models").write_text("")
     assert store.get(KEY) is None
-    with pytest.raises(MachineError, match=r"cannot be written: .*set LTCGEAR_CACHE"):
+    with pytest.raises(MachineError, match=r"cannot be put into the store: .*set LTCGEAR_CACHE"):
         store.put(KEY, artifact())
 
 
@@ -381,7 +381,7 @@ def test_a_damaged_library_is_compiled_again(home, compiler, runs, damage):
 def test_a_folder_for_libraries_that_cannot_be_made_is_told(home, compiler):
     home.mkdir(mode=0o700)
     (home / "libraries").write_text("")
-    with pytest.raises(CompileError, match=r"libraries/.*\.so: cannot be made: .*set LTCGEAR_CACHE"):
+    with pytest.raises(MachineError, match=r"libraries/.*\.so: cannot be put into the store: .*set LTCGEAR_CACHE"):
         store.library(C, compiler)
 
 
