@@ -17,7 +17,7 @@ from pathlib import Path
 import platformdirs
 
 from .contract import Artifact, Manifest
-from .errors import CompileError, LtcgearError
+from .errors import CompileError, LtcgearError, MachineError
 
 FLAGS = (
     "-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-fno-semantic-interposition",
@@ -36,7 +36,7 @@ def root() -> Path:
 
     Raises
     ------
-    LtcgearError
+    MachineError
         If it cannot be made, or belongs to somebody else: libraries are loaded from it.
     """
     chosen = os.environ.get("LTCGEAR_CACHE")
@@ -45,11 +45,11 @@ def root() -> Path:
         path.mkdir(mode=0o700, parents=True, exist_ok=True)
         status = path.stat()
     except OSError as error:
-        raise LtcgearError(
+        raise MachineError(
             f"{path}: the store cannot be used: {error}; set LTCGEAR_CACHE to a folder of yours"
         ) from error
     if status.st_uid != os.getuid() or status.st_mode & 0o022:
-        raise LtcgearError(f"{path}: others may write here; set LTCGEAR_CACHE to a folder that only you can write")
+        raise MachineError(f"{path}: others may write here; set LTCGEAR_CACHE to a folder that only you can write")
     return path
 
 
@@ -145,14 +145,14 @@ def put(key: str, artifact: Artifact) -> None:
 
     Raises
     ------
-    LtcgearError
+    MachineError
         If the store cannot be written.
     """
     folder = model_folder(key)
     try:
         put_folder(folder, files(artifact))
     except OSError as error:
-        raise LtcgearError(
+        raise MachineError(
             f"{folder}: cannot be written: {error.strerror or error}; make room or remove it, or set LTCGEAR_CACHE"
         ) from error
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from ltcgear.generated import store
 from ltcgear.generated.contract import FORMAT, Artifact, Clock, Manifest, Report, Signal, Signature, State
-from ltcgear.generated.errors import CompileError, LtcgearError
+from ltcgear.generated.errors import CompileError, LtcgearError, MachineError
 
 C = "double answer(void) { return 42.0; }\n"
 KEY = "0123abcd"
@@ -270,7 +270,7 @@ def test_a_store_that_cannot_be_written_is_told(home):
     home.mkdir(mode=0o700)
     (home / "models").write_text("")
     assert store.get(KEY) is None
-    with pytest.raises(LtcgearError, match=r"cannot be written: .*set LTCGEAR_CACHE"):
+    with pytest.raises(MachineError, match=r"cannot be written: .*set LTCGEAR_CACHE"):
         store.put(KEY, artifact())
 
 
@@ -458,23 +458,23 @@ def test_the_store_is_private(home):
 def test_a_folder_others_may_write_is_refused(home, mode):
     home.mkdir()
     home.chmod(mode)
-    with pytest.raises(LtcgearError, match="others may write here; set LTCGEAR_CACHE"):
+    with pytest.raises(MachineError, match="others may write here; set LTCGEAR_CACHE"):
         store.root()
-    with pytest.raises(LtcgearError, match="others may write here"):
+    with pytest.raises(MachineError, match="others may write here"):
         store.put(KEY, artifact())
 
 
 def test_a_folder_of_somebody_else_is_refused(home, monkeypatch):
     store.root()
     monkeypatch.setattr(store.os, "getuid", lambda: home.stat().st_uid + 1)
-    with pytest.raises(LtcgearError, match="others may write here"):
+    with pytest.raises(MachineError, match="others may write here"):
         store.root()
 
 
 def test_a_store_that_cannot_be_made_is_told(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("LTCGEAR_CACHE", str(tmp_path / "file" / "store"))
-    with pytest.raises(LtcgearError, match=r"the store cannot be used: .*set LTCGEAR_CACHE"):
+    with pytest.raises(MachineError, match=r"the store cannot be used: .*set LTCGEAR_CACHE"):
         store.root()
 
 
