@@ -46,7 +46,7 @@ Figures = Annotated[
 ]
 
 SHOWN = 5
-"""Reasons of failed points that are shown."""
+"""Reasons of failed points, and kinds of warnings, that are shown."""
 
 
 @app.command()
@@ -146,8 +146,12 @@ def _present(summary: dict[str, Any]) -> None:
     present.listed(list_tables(load_sweep(Path(summary["file"]))), figures)
     for note in summary["notes"]:
         print(note)
-    for reason, count in list(summary["reasons"].items())[:SHOWN]:
-        print(f"failed, {count} of {summary['points']}: {reason}")
+    for word, told in (("failed", summary["reasons"]), ("warned", summary["warnings"])):
+        for text, count in list(told.items())[:SHOWN]:
+            print(f"{word}, {count} of {summary['points']}: {text}")
+        if len(told) > SHOWN:
+            print(f"{word}: {len(told) - SHOWN} more kinds; the file has all")
     kept = f", {summary['kept']} were there" if summary["kept"] else ""
     done = f"{summary['computed']} points computed" if summary["computed"] else "finished before, nothing computed"
-    print(f"{done}{kept}; {summary['failed']} failed; {summary['file']}")
+    warned = f", {summary['warned']} warned" if summary["warned"] else ""
+    print(f"{done}{kept}; {summary['failed']} failed{warned}; {summary['file']}")

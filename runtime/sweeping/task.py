@@ -52,11 +52,12 @@ class Maker(Protocol):
 
 
 class Outcome(NamedTuple):
-    """What came of a point: its number, ``done`` or a reason, and its numbers in the row's order; None without."""
+    """What came of a point: its number, ``done`` or a reason, its numbers in the row's order or None, its warnings."""
 
     point: int
     status: str
     values: Vector | None = None
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass
@@ -127,12 +128,12 @@ class Plan:
         if key not in self.models:
             return Outcome(point, UNBUILT)
         result = simulate(self.library(key), values, tables=tables, **self.settings)
-        status = result.summary["status"]
+        status, warnings = result.summary["status"], tuple(result.summary["warnings"])
         if status.startswith("interrupted"):
             raise KeyboardInterrupt
         if status != DONE:
-            return Outcome(point, status)
-        return Outcome(point, DONE, _arrange(take_values(result, self.metrics), self.places[key]))
+            return Outcome(point, status, None, warnings)
+        return Outcome(point, DONE, _arrange(take_values(result, self.metrics), self.places[key]), warnings)
 
 
 def flatten(row: "xr.Dataset") -> Vector:
