@@ -27,7 +27,7 @@ from .reading import (
     list_numbers,
     list_warnings,
     shorten,
-    tell_doubts,
+    tell_warned,
 )
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ def _over_points(dataset: xr.Dataset, own: list[Numbers]) -> Table:
         rows.append((number.item or "all", *(_round(found[name] / size) for name in STATISTICS)))
     crossed = [axis.key for axis in design_of(dataset).varied if axis.crossed]
     pooled = (f"over all values of {', '.join(crossed)}",) if crossed else ()
-    return Table(title, ("", *HEADINGS), tuple(rows), (*pooled, *tell_doubts(dataset)))
+    return Table(title, ("", *HEADINGS), tuple(rows), (*pooled, *_tell_doubts(dataset)))
 
 
 def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
@@ -190,7 +190,7 @@ def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     names = [one.item.removeprefix(f"{group}.") if numbered else one.item or one.metric for one in own]
     title = f"{title}, {group}" if numbered else title
     columns = (heading, *names, *([""] if warned.any() else []))
-    return Table(title, columns, rows, (*shown, *tell_doubts(dataset)))
+    return Table(title, columns, rows, (*shown, *_tell_doubts(dataset)))
 
 
 def _round(value: float) -> float:
@@ -203,6 +203,13 @@ def _cell(value: Any) -> Cell:  # noqa: ANN401
     if not isinstance(value, float | np.floating):
         return str(value)
     return int(value) if value.is_integer() else float(value)
+
+
+def _tell_doubts(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Say how many runs failed, and how many are warned about."""
+    done = is_done(dataset)
+    failed = (f"{(~done).sum()} of {done.size} runs failed and are left out",) if not done.all() else ()
+    return failed + tell_warned(dataset)
 
 
 def _influences(dataset: xr.Dataset, metrics: list[str]) -> list[Table]:

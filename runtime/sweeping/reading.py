@@ -78,12 +78,11 @@ def is_warned(dataset: xr.Dataset) -> NDArray[np.bool_]:
     return np.array([bool(lines) for lines in list_warnings(dataset)], dtype=bool)
 
 
-def tell_doubts(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Say how many runs failed, how many are warned about, and where it is not known; nothing where all is well."""
-    done, warned = is_done(dataset), is_warned(dataset)
-    failed = (f"{(~done).sum()} of {done.size} runs failed and are left out",) if not done.all() else ()
-    marked = (f"{warned.sum()} of {done.size} runs are warned about: see `{WARNINGS}`",) if warned.any() else ()
-    return failed + marked + (() if keeps_warnings(dataset) else (UNKNOWN,))
+def tell_warned(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Say how many runs are warned about, or that it is not known; nothing where none is."""
+    warned = is_warned(dataset)
+    marked = (f"{warned.sum()} of {warned.size} runs are warned about: see `{WARNINGS}`",) if warned.any() else ()
+    return marked if keeps_warnings(dataset) else (UNKNOWN,)
 
 
 def is_whole(dataset: xr.Dataset) -> bool:
