@@ -19,7 +19,7 @@ from .opening import split_changes
 if TYPE_CHECKING:
     from ltcgear.symbolic.template import Template
 
-    from ..sweeping.run import Told
+    from ..sweeping.planning import Told
 
 Vary = Annotated[
     list[str],
@@ -41,6 +41,11 @@ Scheduler = Annotated[
     typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers compute.", show_default="none"),
 ]
 SweepFile = Annotated[Path, typer.Option("-o", "--output", help="NetCDF4 file to write or to go on with, .nc.")]
+Retry = Annotated[bool, typer.Option("--retry", help="Compute points that failed before again.")]
+Skip = Annotated[
+    list[int] | None,
+    typer.Option("--skip", metavar="POINT", help="Leave a point out, by its number.", show_default="none"),
+]
 Figures = Annotated[
     Path | None, typer.Option("--figures", metavar="DIR", help="Folder for figures.", show_default="none")
 ]
@@ -64,6 +69,8 @@ def sweep(
     raw: Raw = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
+    retry: Retry = False,
+    skip: Skip = None,
     figures: Figures = None,
     changes: Changes = None,
     as_json: AsJson = False,
@@ -79,7 +86,7 @@ def sweep(
         make_folder(figures)
     drawn: dict[str, Any] = {"sample": sample, "points": points, "seed": seed}
     runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "raw": raw}
-    runs |= {"workers": workers, "scheduler": scheduler}
+    runs |= {"workers": workers, "scheduler": scheduler, "retry": retry, "skip": skip or ()}
     try:
         with _bars(template.name) as told:
             summary = sweep_scene(template, vary, output, metrics=metric, told=told, **drawn, **runs)
