@@ -79,6 +79,7 @@ def sweep(
     from ltcgear.symbolic.template import Template
 
     from ..sweeping.run import sweep as sweep_scene
+    from ..sweeping.run import tell_kept
 
     template = Template(scene, split_changes(changes))
     _warn(template)
@@ -91,7 +92,7 @@ def sweep(
         with _bars(template.name) as told:
             summary = sweep_scene(template, vary, output, metrics=metric, told=told, **drawn, **runs)
     except KeyboardInterrupt:
-        raise InterruptedRunError("stopped; rows are kept, the same command goes on") from None
+        raise InterruptedRunError(f"stopped; {tell_kept(output)}") from None
     if figures is not None:
         summary["figures"] = _draw(output, figures)
     present.show(as_json, summary, _present)

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
@@ -14,6 +14,7 @@ from ltcgear.generated.errors import LtcgearError
 from ..attributes import to_attributes
 from ..band import BAND
 from ..integration import check_length
+from ..part import part_of
 from ..simulation import DEFAULT_METHOD, DEFAULT_RTOL, check_options
 from .axes import read_axes
 from .design import Design, draw_design
@@ -206,3 +207,14 @@ def tell_sweep(target: Path, maker: Maker, counts: Mapping[str, int], seconds: M
     found = load_sweep(target)
     told = {"scene": maker.name, "file": str(target), **summarise(found), **counts}
     return told | {"notes": list(design_of(found).notes), "seconds": dict(seconds)}
+
+
+def tell_kept(target: Path) -> str:
+    """Say what a sweep that was stopped has left, and what the same command then does."""
+    part = part_of(target)
+    if target.exists():
+        return f"{target} has all rows"
+    with suppress(LtcgearError):  # of a damaged one the same command tells
+        if part.exists() and load_sweep(part).sizes["point"]:
+            return f"rows are kept in {part}, the same command goes on"
+    return "no row was there yet; the same command begins anew"
