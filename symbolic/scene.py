@@ -60,6 +60,11 @@ class Source:
     folder: Path
     files: Files = field(default_factory=dict)
 
+    @property
+    def paths(self) -> list[Path]:
+        """Return the files that were read for it."""
+        return [self.folder / name for name, *_ in self.files]
+
     def tables(self) -> Raw:
         """Return its tables as TOML gives them.
 

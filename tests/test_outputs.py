@@ -52,6 +52,14 @@ def test_no_output_goes_over_the_scene_or_another_kind_of_file(refused, tmp_path
     assert len(list(tmp_path.iterdir())) == 3
 
 
+def test_no_output_goes_over_a_table_that_the_scene_names(refused, tmp_path):
+    (tmp_path / "torque.csv").write_text("time [s], torque [N*m]\n0, 1\n1, 2\n", "utf-8")
+    (tmp_path / "shaft.toml").write_text(SHAFT, "utf-8")
+    for name, *options in (("modes",), ("campbell",), ("sensitivity", "--force")):
+        text = refused(name, tmp_path / "shaft.toml", *options, "-o", tmp_path / "torque.csv")
+        assert "torque.csv: is the file that is read; give another name" in text
+
+
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     """A result, and a sweep that was killed."""

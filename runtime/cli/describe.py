@@ -79,7 +79,7 @@ def generate(
 
     -o writes it to a folder, with all that plain C needs to simulate it.
     """
-    opened = open_scene(scene, changes, fresh)
+    opened = open_scene(scene, changes, fresh=fresh)
     library = compile_model(opened)
     files = store.files(opened.artifact)
     del files["graphs.casadi"]

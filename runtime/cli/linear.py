@@ -51,7 +51,7 @@ def modes(
     if output is not None:
         check_output(output, scene)
     _check(turn, count, mode, output)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     linear = open_linear(opened, turn)
     wanted = choose_count(linear) if count is None else count
     found = describe_modes(linear, find_modes(linear, wanted))

@@ -1,11 +1,13 @@
 """Scenes on their way through the house: scene -> model -> C -> library."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError, MachineError
+from ltcgear.generated.writing import check_output
 
 from ..progress import progress
 from ..terminal import tell
@@ -49,11 +51,13 @@ def split_changes(pairs: list[str] | None) -> dict[str, str]:
 
 
 def open_scene(
-    name: "str | Source", changes: list[str] | None = None, fresh: bool = False, steered: bool = False
-) -> Opened:
+    name: "str | Source", changes: list[str] | None = None, output: Path | None = None, fresh: bool = False,
+    steered: bool = False,
+) -> Opened:  # fmt: skip
     """Take a scene through all stages up to generated C; what the store holds is not derived again.
 
-    scene -> Model -> (derive -> check -> emit, or the store) -> Artifact; ``steered`` turns its constant loads into
+    scene -> Model -> (derive -> check -> emit, or the store) -> Artifact; ``output`` is refused where it is a file that
+    the scene names; ``steered`` turns its constant loads into
     tables, which are its inputs.
     """
     from ltcgear.symbolic.advice import warnings
@@ -67,6 +71,8 @@ def open_scene(
     replaced = split_changes(changes)
     source = read_source(name)
     scene = load_scene(source, replaced)
+    if output is not None:
+        check_output(output, *source.paths)
     led, inputs = steer_loads(scene) if steered else (scene, ())
     model = build_model(led)
     seconds = {"load": perf_counter() - clock}

@@ -96,7 +96,7 @@ def run(
 
     check_options(method, rtol, t_end)
     _check_result(output, resume, scene, record_file)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
     about = dict(opened.about)
@@ -146,7 +146,7 @@ def cost(
     check_options("erk", rtol, t_end)
     if output is not None:
         check_figure(output, scene)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     variants = open_variants(split_changes(changes), opened)
     rate = rate_of(opened, compile_model(opened))
     with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
