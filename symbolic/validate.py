@@ -57,12 +57,12 @@ def validate_parts(plain: Mapping[str, Any], context: Mapping[str, Any]) -> list
 
 def too_many(plain: Mapping[str, Any]) -> Iterator[str]:
     """Tell which tables of a raw scene have more entries than any drive train, before anything else is done."""
-    stages = _table(plain, "stages")
-    planets = [stage.get("planets") for stage in stages.values() if isinstance(stage, dict)]
-    counted = sum(n for n in planets if isinstance(n, int) and 0 < n <= MOST_PLANETS)
-    count = len(_table(plain, "rotors")) + 2 * len(stages) + counted
+    stages = [stage for stage in _table(plain, "stages").values() if isinstance(stage, dict)]
+    planets = [n for n in (stage.get("planets") for stage in stages) if isinstance(n, int) and 0 < n <= MOST_PLANETS]
+    others = [len(PARTS.get(str(stage.get("kind")), ())) for stage in stages]
+    count = len(_table(plain, "rotors")) + sum(planets) + sum(others)
     if count > MOST_MEMBERS:
-        yield f"stages and rotors: {count} members at least, planets included; join some, {MOST_MEMBERS} at most"
+        yield f"stages and rotors: {count} members, planets included; join some, {MOST_MEMBERS} at most"
     for key in ("couplings", "loads"):
         if len(_table(plain, key)) > MOST_MEMBERS:
             yield f"{key}: has {len(_table(plain, key))} entries; leave out some, {MOST_MEMBERS} at most"
