@@ -213,7 +213,7 @@ def _blocking(matrix: Vector, vector: Vector, solution: Vector, supports: list[i
         return []
     kept = np.isin(np.arange(len(vector)), supports, invert=True)
     less, right = matrix[kept], vector[kept]
-    freed = np.linalg.lstsq(less, right, rcond=None)[0]
+    freed = np.linalg.lstsq(less, right, rcond=None)[0].astype(float)
     if not _is_solved(less, right, freed):
         return []
     turning = [names[int(np.argmax(matrix[i]))] for i in supports if abs(matrix[i] @ freed) > 1e-9]

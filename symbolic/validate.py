@@ -1,6 +1,7 @@
 """What the schema cannot see: names that refer to nothing, gears that cannot mesh, motion that is open."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from itertools import pairwise
 from math import acos, cos, degrees, pi, tan, tau
 from typing import Annotated, Any
@@ -8,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError
 
 from . import gears, mesh_stiffness, train
-from .mesh_schema import Mesh
+from .mesh_schema import MOST_HARMONICS, Mesh
 from .schema import MOST_MEMBERS, MOST_PLANETS, PARTS, Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
 from .tolerances import oversized
 
@@ -56,12 +57,12 @@ def validate_parts(plain: Mapping[str, Any], context: Mapping[str, Any]) -> list
 
 def too_many(plain: Mapping[str, Any]) -> Iterator[str]:
     """Tell which tables of a raw scene have more entries than any drive train, before anything else is done."""
-    stages = _table(plain, "stages")
-    planets = [stage.get("planets") for stage in stages.values() if isinstance(stage, dict)]
-    counted = sum(n for n in planets if isinstance(n, int) and 0 < n <= MOST_PLANETS)
-    count = len(_table(plain, "rotors")) + 2 * len(stages) + counted
+    stages = [stage for stage in _table(plain, "stages").values() if isinstance(stage, dict)]
+    planets = [n for n in (stage.get("planets") for stage in stages) if isinstance(n, int) and 0 < n <= MOST_PLANETS]
+    others = [len(PARTS.get(str(stage.get("kind")), ())) for stage in stages]
+    count = len(_table(plain, "rotors")) + sum(planets) + sum(others)
     if count > MOST_MEMBERS:
-        yield f"stages and rotors: {count} members at least, planets included; join some, {MOST_MEMBERS} at most"
+        yield f"stages and rotors: {count} members, planets included; join some, {MOST_MEMBERS} at most"
     for key in ("couplings", "loads"):
         if len(_table(plain, key)) > MOST_MEMBERS:
             yield f"{key}: has {len(_table(plain, key))} entries; leave out some, {MOST_MEMBERS} at most"
@@ -226,6 +227,7 @@ def _mesh(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, s
     choices = tuple(key.rsplit(".", 1)[-1].split("_")) if isinstance(stage, Planetary) else ("input", "output")
     if mesh.reference is not None and mesh.reference not in choices:
         yield f"{key}.reference: must be one of {', '.join(choices)}, not {mesh.reference!r}"
+        return
     faults: list[str] = []
     if mesh.face_width is not None:
         faults += _computable(key, stage, mesh, one, two)
@@ -244,19 +246,21 @@ def _profile(key: str, geometry: tuple[Planetary | Pair, Mesh, Gear, Gear, int])
         room = min(share, 1 - share)
         if mesh.transition is not None and mesh.transition > room * (1 + 1e-9):
             yield f"{key}.transition: transitions overlap, single contact lasts {share:.3f} pitches; {room:.3f} at most"
-        series = mesh_stiffness.two_level_series(single, double, share, mesh.harmonics)
-        yield from _positive(f"{key}.harmonics", series)
+        levels = partial(mesh_stiffness.two_level_series, single, double, share)
+        yield from _positive(f"{key}.harmonics", mesh.harmonics, levels)
     if mesh.stiffness_table is not None:
-        yield from _positive(
-            f"{key}.stiffness_table", mesh_stiffness.table_series(mesh.stiffness_table, mesh.harmonics)
-        )
+        table = partial(mesh_stiffness.table_series, mesh.stiffness_table)
+        yield from _positive(f"{key}.stiffness_table", mesh.harmonics, table)
 
 
-def _positive(key: str, series: list[float]) -> Iterator[str]:
-    """Check that a series is a stiffness all over the pitch."""
-    least = mesh_stiffness.least_value(tuple(series))
+def _positive(key: str, count: int, series: Callable[[int], list[float]]) -> Iterator[str]:
+    """Check that a series of so many harmonics is a stiffness all over the pitch."""
+    least = mesh_stiffness.least_value(tuple(series(count)))
     if least <= 0:
-        yield f"{key}: {len(series) // 2} harmonics swing down to {least:.3g} N/m; keep more, or fewer"
+        lawful = mesh_stiffness.lawful_counts(series(MOST_HARMONICS))
+        near = min(lawful, key=lambda n: abs(n - count), default=0)
+        cure = f"give harmonics = {near}" if near else "no number of them stays above zero, so smooth the table"
+        yield f"{key}: {count} harmonics swing down to {least:.3g} N/m; {cure}"
 
 
 def _tooth_errors(
@@ -294,7 +298,7 @@ def _computable(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: G
 def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> Iterator[str]:
     """Check that single and double contact can alternate."""
     if one.teeth is None or two.teeth is None:
-        yield f"{key}: double_factor and tooth_errors need the teeth of both gears"
+        yield f"{key}: double_factor and tooth_errors need the teeth of both gears; give them, or drop these"
         return
     if mesh.contact_ratio is not None:
         if mesh.tooth_errors and mesh.contact_ratio in (1.0, 2.0):

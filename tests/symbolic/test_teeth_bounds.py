@@ -74,8 +74,11 @@ def rotors(count):
 
 def test_trains_beyond_all_size_are_refused_before_anything_is_computed():
     assert len(make_scene(rotors(MOST_MEMBERS)).rotors) == MOST_MEMBERS
-    with pytest.raises(SceneError, match=f"members at least, planets included; join some, {MOST_MEMBERS} at most"):
+    with pytest.raises(SceneError, match=f"4000 members, planets included; join some, {MOST_MEMBERS} at most"):
         make_scene(rotors(4000))
+    stages = {f"s{i}": {"kind": "planetary", "planets": 12} for i in range(21)}
+    with pytest.raises(SceneError, match="315 members, planets included"):
+        make_scene({"title": "x", "stages": stages})
     tree = rotors(2)
     tree["couplings"] = {f"c{i}": {"between": ["r0", "r1"], "stiffness": "1 N*m/rad"} for i in range(4000)}
     with pytest.raises(SceneError, match="couplings: has 4000 entries; leave out some"):
