@@ -6,6 +6,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from ltcgear.generated.contract import MOST_SAMPLES
 from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
@@ -75,7 +76,9 @@ class Trajectory(Outcome, Block):
 
 
 def check_length(samples: float) -> None:
-    """Refuse a run of less than one sample."""
+    """Refuse a run of less than one sample, or of more than a result may hold."""
+    if samples > MOST_SAMPLES:
+        raise LtcgearError(f"t_end times rate are {samples:.2g} samples, above {MOST_SAMPLES:.0e}; lower t_end or rate")
     if round(samples) < 1:
         raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
 

@@ -20,7 +20,8 @@ from ..integration import check_length
 from ..library import build
 from ..rates import find_rate
 from ..reading import no_rows
-from ..simulation import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, check_size
+from ..room import check_size
+from ..simulation import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options
 from .axes import read_axes
 from .design import Design, draw_design
 from .execution import Pool, Processes, check_joblib, compute_points
