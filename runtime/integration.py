@@ -10,6 +10,7 @@ from ltcgear.generated.contract import MOST_SAMPLES
 from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
+from .blas import SingleThreaded
 from .brake import Brake
 from .diagnosis import explain
 from .equilibrium import Equilibrium
@@ -111,6 +112,7 @@ class Integration:
         If the run is shorter than one sample, or would take more than an hour and was not asked to.
     """
 
+    @SingleThreaded()
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
         tables: Mapping[str, Pairs] | None = None, passing: float | None = None, long: bool = False,
