@@ -1,6 +1,6 @@
 """BLAS: linear algebra in one thread while a run is set up, as many as before afterwards.
 
-The matrices of a train are small, so threads wait for each other: a set-up takes several times as long with two of them.
+The matrices of a train are small, so threads wait for each other, and a set-up takes several times as long with two.
 The command line sets OPENBLAS_NUM_THREADS before NumPy is loaded; a program that imports ltcgear has loaded it long
 since, and its own work may want the threads.
 """
