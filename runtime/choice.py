@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from .blas import SingleThreaded
 from .duty import Changes, list_duty
 from .equilibrium import Equilibrium, closed, settled, state_matrix
 from .kernel import Kernel
@@ -78,6 +79,7 @@ class Pace:
     stable: float
 
 
+@SingleThreaded()
 def choose(
     library: Library, at: Equilibrium, p: Vector, rtol: float, tables: Mapping[str, Pairs] | None = None,
     t_end: float | None = None,

@@ -25,13 +25,13 @@ from .library import Library
 from .rates import Rate
 from .reading import no_rows
 from .results import Result
+from .room import check_size
 from .signals import Pairs
 from .simulation import (
     DEFAULT_METHOD,
     DEFAULT_RTOL,
     Run,
     check_options,
-    check_size,
     list_settings,
 )
 from .stepper import Counts
@@ -90,7 +90,7 @@ def simulate_many(
         If an option or a parameter set is wrong, before anything runs.
     """
     given, count = list(sets), _count_workers(workers)
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, rate)
     _check_sets(library, given)
     if rate is not None:
         check_length(t_end * rate)

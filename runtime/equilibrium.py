@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import LinearOperator, onenormest, splu
 
+from .blas import SingleThreaded
 from .continuation import follow
 from .kernel import Kernel
 from .library import Library
@@ -122,6 +123,7 @@ def _replaced(library: Library, p: Vector, name: str, value: float) -> Vector:
     )
 
 
+@SingleThreaded()
 def find_equilibrium(
     library: Library, p: Vector, levels: Vector | None = None, tables: Mapping[str, Pairs] | None = None
 ) -> Equilibrium:

@@ -14,12 +14,13 @@ from .library import Library
 from .linear.modes import find_modes
 from .linear.system import linearise
 from .march import LONGEST as LONGEST_ARC
-from .rates import mesh_frequency, reference_speed
+from .rates import reference_speed
 from .scaling import vibration_scale
 from .signals import Pairs
 from .stepper import EXPLICIT
 
 Vector = NDArray[np.float64]
+Motion = tuple[float, str]
 REACH = 3.5
 """Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Tsitouras is stable."""
 MOST_STEPS = 1e9
@@ -65,13 +66,14 @@ def check_run(
     LtcgearError
         It names what takes so long (body, mesh, samples, table) and the cure.
     """
+    motion = _fastest(library, at, p)
     if method in EXPLICIT:
-        check_explicit(library, at, p, method, t_end, np.inf if long else MOST_STEPS, f"; {ASKED}")
+        _check_steps(library, at, p, method, t_end, motion, np.inf if long else MOST_STEPS, f"; {ASKED}")
     if long:
         return
     parts = [
         *_teeth_work(library, at, p, method, t_end, tables), _sample_work(library, t_end, rate),
-        *_table_work(library, tables), *_step_work(library, at, p, method, rtol, t_end, tables),
+        *_table_work(tables), *_step_work(library, at, p, method, rtol, t_end, tables, motion),
     ]  # fmt: skip
     hours = sum(part.operations for part in parts) / SPEED / 3600
     if hours * 3600 > LONGEST:
@@ -81,9 +83,7 @@ def check_run(
         )
 
 
-def check_explicit(
-    library: Library, at: Equilibrium, p: Vector, method: str, t_end: float, most: float = MOST_STEPS, asked: str = ""
-) -> None:
+def check_explicit(library: Library, at: Equilibrium, p: Vector, method: str, t_end: float) -> None:
     """Refuse a run that one fast motion takes from an explicit method: too many steps, or too many for Adams.
 
     Raises
@@ -91,7 +91,14 @@ def check_explicit(
     LtcgearError
         It names the body and the cure.
     """
-    speed, body = _fastest(library, at, p)
+    _check_steps(library, at, p, method, t_end, _fastest(library, at, p), MOST_STEPS, "")
+
+
+def _check_steps(
+    library: Library, at: Equilibrium, p: Vector, method: str, t_end: float, motion: Motion, most: float, asked: str
+) -> None:
+    """Refuse more steps than ``most``, and how they may be asked for."""
+    speed, body = motion
     slowest = _slowest(library, at, p) if method == "adams" else np.inf
     if speed > STIFFEST * slowest:
         raise LtcgearError(
@@ -111,12 +118,13 @@ def _teeth_work(
     library: Library, at: Equilibrium, p: Vector, method: str, t_end: float, tables: Mapping[str, Pairs] | None
 ) -> list[Work]:
     """Return the work of teeth that come and go, and of whole turns that are taken off the reference angle."""
-    turns = t_end * reference_speed(library, at, p, tables) / TURN
+    levels, speed = library.manifest.levels, reference_speed(library, at, p, tables)
+    turns = t_end * speed / TURN
     found = [Work(LEG * turns, f"{turns:.1e} turns of the reference", "lower its speed or simulate less time")]
-    levels, clocks = library.manifest.levels, Clocks(library.manifest, p).by_mesh
-    if levels:
-        frequency = mesh_frequency(library, at, p, tables)
-        fastest = max(clocks, key=lambda mesh: abs(clocks[mesh].advance)) if clocks else levels[0]
+    rates = {name: abs(float(course.advance)) for name, course in Clocks(library.manifest, p).by_mesh.items()}
+    if levels and rates:
+        fastest = max(rates, key=lambda mesh: rates[mesh])
+        frequency = speed * rates[fastest] / TURN
         switchings = 2 * len(levels) * frequency * t_end
         cause = f"{switchings:.1e} switchings of stiffness: the teeth of {fastest} mesh {frequency:.3g} times a second"
         found.append(Work(switchings * _segment(method), cause, "lower the speed or simulate less time"))
@@ -130,7 +138,7 @@ def _sample_work(library: Library, t_end: float, rate: float) -> Work:
     return Work(POINTS * samples * each, f"{samples:.1e} samples", "lower the rate or simulate less time")
 
 
-def _table_work(library: Library, tables: Mapping[str, Pairs] | None) -> list[Work]:
+def _table_work(tables: Mapping[str, Pairs] | None) -> list[Work]:
     """Return the work of stops at the rows of tables."""
     rows = {name: len(table) for name, table in (tables or {}).items()}
     return [Work(LEG * count, f"{count:.1e} rows of {name}", "give fewer rows") for name, count in rows.items()]
@@ -138,12 +146,12 @@ def _table_work(library: Library, tables: Mapping[str, Pairs] | None) -> list[Wo
 
 def _step_work(
     library: Library, at: Equilibrium, p: Vector, method: str, rtol: float, t_end: float,
-    tables: Mapping[str, Pairs] | None,
+    tables: Mapping[str, Pairs] | None, motion: Motion,
 ) -> list[Work]:  # fmt: skip
     """Return the work of steps for stability and accuracy, and of the segments that they lie in."""
     costs = dict(zip((True, False), step_operations(library), strict=True))
     each = costs[method in EXPLICIT]
-    speed, body = _fastest(library, at, p)
+    speed, body = motion
     if DENSEST * speed * t_end * (each + _segment(method)) < SPEED * LONGEST / 4:
         return []
     pace, explicit = reckon(library, at, p, rtol, tables, t_end), method in EXPLICIT
@@ -168,7 +176,7 @@ def _slowest(library: Library, at: Equilibrium, p: Vector) -> float:
     return 2 * np.pi * min((hertz for hertz in found if hertz > 0), default=float("inf"))
 
 
-def _fastest(library: Library, at: Equilibrium, p: Vector) -> tuple[float, str]:
+def _fastest(library: Library, at: Equilibrium, p: Vector) -> Motion:
     """Return the largest modulus [1/s] of an eigenvalue, and the body that this motion moves most."""
     scale = vibration_scale(library, at, p)
     matrix = state_matrix(library, at.x, at.s, closed(library, p)) * scale[None, :] / scale[:, None]

@@ -6,9 +6,11 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from ltcgear.generated.contract import MOST_SAMPLES
 from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
+from .blas import SingleThreaded
 from .brake import Brake
 from .diagnosis import explain
 from .equilibrium import Equilibrium
@@ -75,7 +77,9 @@ class Trajectory(Outcome, Block):
 
 
 def check_length(samples: float) -> None:
-    """Refuse a run of less than one sample."""
+    """Refuse a run of less than one sample, or of more than a result may hold."""
+    if samples > MOST_SAMPLES:
+        raise LtcgearError(f"t_end times rate are {samples:.2g} samples, above {MOST_SAMPLES:.0e}; lower t_end or rate")
     if round(samples) < 1:
         raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
 
@@ -108,6 +112,7 @@ class Integration:
         If the run is shorter than one sample, or would take more than an hour and was not asked to.
     """
 
+    @SingleThreaded()
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
         tables: Mapping[str, Pairs] | None = None, passing: float | None = None, long: bool = False,

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .band import BAND
+from .blas import SingleThreaded
 from .choice import excited_modes
 from .clocks import Clocks
 from .equilibrium import Equilibrium, find_equilibrium
@@ -37,6 +38,7 @@ class Rate:
     why: str | None
 
 
+@SingleThreaded()
 def choose_rate(library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None = None) -> Rate:
     """Choose a sampling rate whose band holds the modes that are set going and the first harmonics of all meshes.
 

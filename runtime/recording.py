@@ -24,6 +24,7 @@ from .march import Snapshot
 from .part import BEGIN_ANEW, Part, part_of, read_part
 from .reading import Reader, Rows, judge, motion_statistics, no_rows
 from .results import RESULT, SWEEP, tell_kind
+from .room import check_room
 from .sampling import Block, Points
 from .signals import Pairs, Signals
 from .simulation import (
@@ -155,7 +156,7 @@ def record(
         If a file cannot be written.
     """
     target = Path(target)
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, rate)
     check_recordable(target, resume)
     settings = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol}
     p, clock = library.parameters(values), perf_counter()
@@ -169,6 +170,8 @@ def record(
         seconds = {"equilibrium": perf_counter() - clock}
         choice = choose(library, at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
         sampling = take_rate(library, at, p, t_end, rate, tables)
+        if not kept:
+            check_room(library, t_end * sampling.rate, target)
         about = list_settings(library, choice, rtol, sampling, raw)
         options: dict[str, Any] = settings | {"rate": sampling.rate, "method": choice.method, "tables": tables}
         integration = Integration(library, p, at, passing=passing_speed(sampling.rate, raw), long=long, **options)

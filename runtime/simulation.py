@@ -1,11 +1,11 @@
 """The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
 
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .accuracy import estimate_accuracy
@@ -22,11 +22,13 @@ from .machines import past_breakdown
 from .rates import Rate, choose_rate
 from .reading import Reader, Rows, by_quantity, join_rows, judge, motion_statistics
 from .results import Result
+from .room import check_size
 from .rounding import round_statistics
 from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics
 from .stepper import check_method
+from .values import is_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,26 +41,21 @@ WRONG = 1e-2
 """Energy missing over the strain energy from which a run is warned about."""
 
 
-def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
+def check_options(method: str, rtol: float, t_end: float | None = None, rate: float | None = None) -> None:
     """Refuse options that no integrator can serve, before anything is computed."""
     if method != AUTO:
         check_method(method)
-    if not 1e-13 <= rtol <= 0.1:
-        raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
-    if t_end is not None and not 0 < t_end < 1e7:
-        raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds, greater than zero and below 1e7")
+    if not (is_number(rtol) and 1e-13 <= rtol <= 0.1):
+        raise LtcgearError(f"rtol {_told(rtol)}: must lie between 1e-13 and 0.1")
+    if t_end is not None and not (is_number(t_end) and 0 < t_end < 1e7):
+        raise LtcgearError(f"t_end {_told(t_end)}: must be a time in seconds, greater than zero and below 1e7")
+    if rate is not None and not (is_number(rate) and 0 < rate < np.inf):
+        raise LtcgearError(f"rate {_told(rate)}: must be a number of samples a second, greater than zero")
 
 
-def check_size(library: Library, samples: float) -> None:
-    """Refuse a run of more than the memory holds."""
-    manifest = library.manifest
-    need = samples * 8 * sum(map(len, (manifest.states, manifest.levels, manifest.signals, manifest.reports)))
-    have = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    if need > 0.8 * have:
-        raise LtcgearError(
-            f"the run would take {need / 1e9:.0f} GB of {have / 1e9:.0f} GB memory; lower t_end or rate, or write it "
-            "to a file (simulate -o FILE.nc, or record)"
-        )
+def _told(value: object) -> str:
+    """Return an option as its message tells it."""
+    return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else f"{value!r:.60}"
 
 
 def simulate(
@@ -110,7 +107,7 @@ def simulate(
     LtcgearError
         If a name, a number or an option is none that the model or the method can take.
     """
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, rate)
     p = library.parameters(values)
     run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables, long=long)
     run.follow(told)
@@ -165,6 +162,7 @@ class Run:
         """Return the data and the summary."""
         outcome, clock = judge(self.reader, self.integration.conclude()), perf_counter()
         rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
+        self.rows.clear()  # lest they take their room beside the quantities
         dataset = make_dataset(self.library, self.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
         forces = tell_forces(dataset, static_strain(self.library, self.p, self.at))

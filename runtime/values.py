@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from ltcgear.generated.contract import Manifest
@@ -78,11 +78,15 @@ def _strangers(given: Iterable[Any], known: Iterable[str], what: str) -> Iterato
             yield f"{name}: the model has no such {what}; " + (f'did you mean "{near[0]}"?' if near else "leave it out")
 
 
+def is_number(value: object) -> TypeGuard[float]:
+    """Say whether something is a real number, as Python or NumPy have them; truth values are none."""
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
 def _reason(name: str, unit: str, value: object) -> str:
     """Return why a number cannot be taken, ``""`` if it can."""
-    plain = isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
     try:
-        number = float(value) if plain else np.nan  # type: ignore[arg-type]
+        number = float(value) if is_number(value) else np.nan
     except OverflowError:
         number = np.inf
     if not np.isfinite(number):

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from typing import Annotated, Literal
 
+from ltcgear.generated.contract import MOST_SAMPLES
 from pydantic import BeforeValidator, Field
 
 from .effects import DEFAULTS, EFFECTS, contradictions
@@ -39,7 +40,6 @@ from .quantities import (
     TorsionalStiffness,
 )
 
-SAMPLES = 1e8  # the most a result may hold for each of its quantities
 MOST_PLANETS = 24
 MOST_MEMBERS = 300  # planets included
 PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
@@ -307,8 +307,9 @@ class Simulation(Table):
 
     def faults(self) -> Iterator[str]:
         """Check that the result fits a computer."""
-        if self.rate is not None and self.t_end * self.rate > SAMPLES:
-            yield f".rate: t_end times rate are {self.t_end * self.rate:.2g} samples, above {SAMPLES:.0e}; lower one"
+        if self.rate is not None and self.t_end * self.rate > MOST_SAMPLES:
+            asked = f"{self.t_end * self.rate:.2g} samples"
+            yield f".rate: t_end times rate are {asked}, above {MOST_SAMPLES:.0e}; lower one"
 
 
 def _effects(chosen: object) -> dict[str, str]:

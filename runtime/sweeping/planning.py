@@ -12,7 +12,8 @@ from ..dataset import make_dataset
 from ..library import build
 from ..rates import find_rate
 from ..reading import no_rows
-from ..simulation import Run, check_size
+from ..room import check_size
+from ..simulation import Run
 from .design import Design
 from .faults import own_reason
 from .metrics import choose_metrics, lay_out, unite
