@@ -212,6 +212,7 @@ def test_any_argument_can_be_named_in_a_message(run):
         (MemoryError("Unable to allocate 7 GiB"), "out of memory: Unable to allocate 7 GiB; ask for less"),
         (RuntimeError("std::bad_alloc"), r"out of memory: std::bad_alloc; .*\(ulimit -v\)"),
         (OSError(12, "Cannot allocate memory"), "out of memory: "),
+        (ImportError("a.so: failed to map segment from shared object"), "out of memory: a.so"),
         (FileNotFoundError(2, "No usable temporary directory found in ['/tmp']"), "set TMPDIR to a folder that can"),
         (OSError(28, "No space left on device", "/tmp/x"), "/tmp/x: No space left on device; make room there"),
         (PermissionError(13, "Permission denied", "/x"), "/x: Permission denied; make it readable and writable"),
@@ -279,3 +280,14 @@ def test_a_package_that_is_missing_is_told(tmp_path):
     assert ended.returncode == 2
     assert ended.stderr.startswith("ltcgear: cannot be started: typer: failed to map segment")
     assert ended.stderr.count("\n") == 1
+
+
+def test_a_limit_of_memory_with_which_nothing_loads_is_told():
+    limits = "import resource; resource.setrlimit(resource.RLIMIT_AS, (200 << 20, resource.RLIM_INFINITY))\n"
+    code = f"{limits}from ltcgear.runtime.entry import main\nmain()"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=30)
+    assert ended.returncode == 2
+    assert (
+        ended.stderr
+        == "ltcgear: cannot be started with 200 MiB of memory; lift its limit (ulimit -v) to 262144 or more\n"
+    )
