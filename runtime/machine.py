@@ -3,7 +3,7 @@
 import errno
 import tempfile
 
-NO_MEMORY = ("bad_alloc", "Unable to allocate", "Cannot allocate memory", "out of memory")
+NO_MEMORY = ("bad_alloc", "Unable to allocate", "annot allocate memory", "failed to map segment", "out of memory")
 """What CasADi, NumPy, the loader and HDF5 say where memory is short."""
 FULL = (errno.ENOSPC, errno.EDQUOT)
 

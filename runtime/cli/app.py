@@ -69,7 +69,7 @@ def _run() -> int:
         return error.exit_code
     except (KeyboardInterrupt, typer.Abort):
         return _refuse("stopped; no file is half-written", INTERRUPTED)
-    except (MemoryError, OSError, RuntimeError) as error:
+    except (ImportError, MemoryError, OSError, RuntimeError) as error:
         fault = find_fault(error)
         if fault is None:
             raise
