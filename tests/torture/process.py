@@ -40,7 +40,7 @@ class Program:
     """
 
     def __init__(self, call: Callable[[], int | None], folder: Path, leads: bool = False) -> None:
-        self.began, self.leads = time.monotonic(), leads
+        self.began, self.leads, self.code = time.monotonic(), leads, None
         self.texts = Path(tempfile.mkdtemp(prefix="torture-"))
         parent = os.getpid()
         self.pid = os.fork()
@@ -78,11 +78,15 @@ class Program:
 
     def poll(self) -> int | None:
         """Return the exit code, None while it runs."""
-        pid, status = os.waitpid(self.pid, os.WNOHANG)
-        return os.waitstatus_to_exitcode(status) if pid else None
+        if self.code is None:
+            pid, status = os.waitpid(self.pid, os.WNOHANG)
+            self.code = os.waitstatus_to_exitcode(status) if pid else None
+        return self.code
 
     def kill(self, number: int = signal.SIGKILL) -> None:
         """Send it a signal, and all that it started where it leads."""
+        if self.code is not None and not self.leads:
+            return
         with contextlib.suppress(ProcessLookupError):
             (os.killpg if self.leads and number == signal.SIGKILL else os.kill)(self.pid, number)
 
@@ -102,6 +106,7 @@ class Program:
         if code is None:
             self.kill()
             os.waitpid(self.pid, 0)
+            self.code = -signal.SIGKILL
         return self.finish(code)
 
 
