@@ -66,15 +66,16 @@ def prepare() -> None:
 
 
 WAYS = ("simulate", "record", "sweep", "report", "figures", "export", "generate", "book", "store", "temporary")
-COUNT = 12 * len(WAYS)
+STEPS = 8
+COUNT = STEPS * len(WAYS)
 
 
 def make_case(seed: int, number: int) -> Case:
-    """Return an attack by a full disk: every way meets sizes from the smallest to the largest."""
-    way, step = WAYS[number % len(WAYS)], number // len(WAYS) % 12
-    generator = np.random.default_rng([seed, number])
-    size = int(SIZES[min(2 * step + int(generator.integers(2)) + number % 3, len(SIZES) - 1)])
-    return Case(f"disk: {way} on {size // 1024} kB", lambda folder: _attack(folder, way, size), 180.0)
+    """Return an attack by a full disk: every way meets sizes from small to large, all ways together every size."""
+    kind, step = number % len(WAYS), number // len(WAYS)
+    place = step * len(SIZES) // STEPS + kind + int(np.random.default_rng([seed, number]).integers(3))
+    size = int(SIZES[place % len(SIZES)])
+    return Case(f"disk: {WAYS[kind]} on {size // 1024} kB", lambda folder: _attack(folder, WAYS[kind], size), 180.0)
 
 
 def _attack(folder: Path, way: str, size: int) -> Verdict:
