@@ -20,7 +20,7 @@ from .compiler import Ended, more_flags, run_compiler, seconds_for
 from .compiler import compiler as compiler
 from .contract import Artifact, Manifest
 from .drafts import draft, told
-from .errors import CompileError, LtcgearError, MachineError
+from .errors import CompileError, MachineError
 from .text import shorten
 
 FLAGS = (
@@ -123,18 +123,6 @@ def put_folder(target: Path, files: dict[str, str]) -> None:
             except OSError:
                 if not target.is_dir():  # likewise, where files cannot be locked
                     raise
-
-
-def write_folder(target: Path, texts: dict[str, str]) -> None:
-    """Write files into a folder of the user's, each one whole or not at all."""
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            draft = target / f".draft-{os.getpid()}-{name}"
-            draft.write_text(text, encoding="utf-8")
-            draft.replace(target / name)
-    except OSError as error:
-        raise LtcgearError(f"{target}: cannot be written: {error.strerror}; give another folder") from error
 
 
 def files(artifact: Artifact) -> dict[str, str]:

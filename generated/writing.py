@@ -105,7 +105,7 @@ def _mode_of(path: Path) -> int | None:
     """Return what a path is, None where nothing is there."""
     try:
         return path.stat().st_mode
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
 
 

@@ -16,6 +16,8 @@ from ltcgear.generated.drafts import draft
 from ltcgear.generated.errors import CompileError
 from numpy.typing import NDArray
 
+from .values import read_values
+
 Loaded = TypeVar("Loaded")
 Vector = NDArray[np.float64]
 UNLOADABLE = (OSError, RuntimeError, AttributeError)
@@ -57,8 +59,8 @@ class Library:
         return "compiled C" if self.path else "CasADi virtual machine"
 
     def parameters(self, values: Mapping[str, float]) -> Vector:
-        """Return the parameter vector; KeyError for a parameter that is missing."""
-        return np.array([values[name] for name, _ in self.manifest.parameters])
+        """Return the parameter vector, shape (n_p,); LtcgearError with every name or number that is wrong."""
+        return read_values(self.manifest, values)
 
     def index(self, ending: str) -> NDArray[np.int64]:
         """Return the indices of deviations (``""``) or of their rates (``".rate"``)."""

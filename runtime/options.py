@@ -49,6 +49,7 @@ Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it
 Verify = Annotated[
     bool, typer.Option("--verify", help="Estimate the accuracy of mesh forces by runs at the tolerance and a tenth.")
 ]
+Long = Annotated[bool, typer.Option("--long", help="Begin a run too that is reckoned to take more than an hour.")]
 Accuracy = Annotated[
     str | None,
     typer.Option(

@@ -22,10 +22,11 @@ from .integration import Integration, Outcome
 from .library import Library
 from .march import Snapshot
 from .part import BEGIN_ANEW, Part, part_of, read_part
-from .reading import Reader, Rows, motion_statistics, no_rows
+from .reading import Reader, Rows, judge, motion_statistics, no_rows
 from .results import RESULT, SWEEP, tell_kind
+from .room import check_room
 from .sampling import Block, Points
-from .signals import Pairs
+from .signals import Pairs, Signals
 from .simulation import (
     AUTO,
     DEFAULT_METHOD,
@@ -121,6 +122,7 @@ def record(
     tables: Mapping[str, Pairs] | None = None,
     resume: bool = False,
     verify: bool = False,
+    long: bool = False,
 ) -> dict[str, Any]:
     """Simulate from the loaded equilibrium into a NetCDF4 file.
 
@@ -154,31 +156,35 @@ def record(
         If a file cannot be written.
     """
     target = Path(target)
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, rate)
     check_recordable(target, resume)
     settings = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol}
+    p, clock = library.parameters(values), perf_counter()
+    Signals(library.manifest.signals, tables or {})  # refuses tables before anything is described
     run = describe_run(library, values, tables or {}, settings | {"raw": raw})
     with Lock(target):
         check_recordable(target, resume)  # who held it may have left another file
         remove_drafts(target, part_of(target), checkpoint_of(target))
         kept = read_checkpoint(target, run) if resume else None
-        p, clock = library.parameters(values), perf_counter()
         at = _equilibrium_of(target, kept) if kept else find_equilibrium(library, p, tables=tables)
         seconds = {"equilibrium": perf_counter() - clock}
-        choice = choose(library, at, p, rtol) if method == AUTO else Choice(method, None)
+        choice = choose(library, at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
         sampling = take_rate(library, at, p, t_end, rate, tables)
+        if not kept:
+            check_room(library, t_end * sampling.rate, target)
         about = list_settings(library, choice, rtol, sampling, raw)
         options: dict[str, Any] = settings | {"rate": sampling.rate, "method": choice.method, "tables": tables}
-        integration = Integration(library, p, at, passing=passing_speed(sampling.rate, raw), **options)
+        integration = Integration(library, p, at, passing=passing_speed(sampling.rate, raw), long=long, **options)
         reader = Reader(library, p, sampling.rate, t_end, raw)
         if kept:
             _restore(target, kept, integration, reader)
         recorder = Recorder(library, p, target, reader, to_attributes(attributes, BEFORE | about), kept)
         with recorder.part:
             outcome = integration.proceed(recorder.take, told, lambda: recorder.mark(run, integration.snapshot(), at))
-            heading = recorder.finish(outcome)
+            heading = recorder.finish(outcome := judge(reader, outcome))
             forces = tell_forces(heading, static_strain(library, p, at))
-            summary = about | summarise(library, p, at, outcome, forces) | {"seconds": seconds | outcome.seconds}
+            summary = about | summarise(library, p, at, outcome, forces, reader)
+            summary |= {"seconds": seconds | outcome.seconds}
             if summary["status"].startswith("interrupted"):
                 return summary | {"status": f"{summary['status']}; rows are in {recorder.part.path}, {GOES_ON}"}
             if verify:

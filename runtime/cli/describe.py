@@ -5,6 +5,7 @@ from dataclasses import asdict
 import typer
 from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.folders import write_unchanged
 
 from .. import present
 from ..options import AsJson, CFolder, Changes, Force, Fresh, MaybeScene, Printed, SceneName, Sources
@@ -78,7 +79,7 @@ def generate(
 
     -o writes it to a folder, with all that plain C needs to simulate it.
     """
-    opened = open_scene(scene, changes, fresh)
+    opened = open_scene(scene, changes, fresh=fresh)
     library = compile_model(opened)
     files = store.files(opened.artifact)
     del files["graphs.casadi"]
@@ -88,7 +89,7 @@ def generate(
         from ..plain.kit import write_kit
 
         files |= write_kit() | {"data.c": write_data(library, opened.scene.name, read_run(opened, library))}
-        store.write_folder(output, files)
+        write_unchanged(output, files)
     ops = {name: signature.operations for name, signature in opened.artifact.manifest.functions.items()}
     data = {
         "files": [str(folder / name) for name in files],

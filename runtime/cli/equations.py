@@ -21,7 +21,7 @@ def book(
     from ltcgear.symbolic.checks.run import check_model
 
     check_file(output, scene)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     checks = check_model(opened.model)
     made = make_book(opened.scene, opened.model, opened.artifact.manifest, opened.key, checks)
     write_book(made, output)

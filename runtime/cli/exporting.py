@@ -32,7 +32,7 @@ def export_fmu(
     check_kind(kind)
     check_fmu(output, scene)
     require_compiler()
-    opened = open_scene(scene, changes, steered=True)
+    opened = open_scene(scene, changes, output, steered=True)
     library = compile_model(opened)
     written = write_fmu(
         library, opened.model.values(), output, kind=kind, name=opened.scene.name,

@@ -54,7 +54,7 @@ def sensitivity(
     if mode is not None and output is not None:
         raise LtcgearError("sensitivity: both --mode and --output were given; give one of them")
     check_options(method, rtol, t_end)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, file)
     library = compile_model(opened)
     p, tables = library.parameters(opened.model.values()), opened.model.tables
     if output is None:

@@ -48,10 +48,10 @@ def modes(
     from ..linear.naming import describe_modes
     from ..present_linear import modes as for_people
 
-    _check(turn, count, mode, output)
     if output is not None:
         check_output(output, scene)
-    opened = open_scene(scene, changes)
+    _check(turn, count, mode, output)
+    opened = open_scene(scene, changes, output)
     linear = open_linear(opened, turn)
     wanted = choose_count(linear) if count is None else count
     found = describe_modes(linear, find_modes(linear, wanted))

@@ -62,7 +62,7 @@ def campbell(
     values = read_range("--speed", speed, "0:20:61") if speed is not None else None
     factors = read_range("--load", load, "0.2:2:31") if load is not None else None
     _check(output, scene)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     library = compile_model(opened)
     p, tables = library.parameters(opened.model.values()), opened.model.tables
     with progress(f"linearise {opened.scene.name}", 100, "points") as told:
@@ -89,7 +89,7 @@ def response(
     from ..linear.response import choose_frequencies, respond
 
     _check(output, scene)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     linear = open_linear(opened)
     modes = describe_modes(linear, find_modes(linear))
     found = respond(linear, excite, choose_frequencies(modes, lowest, highest))

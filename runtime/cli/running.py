@@ -15,6 +15,7 @@ from ..options import (
     EndTime,
     FigureFile,
     Force,
+    Long,
     Method,
     Raw,
     RecordFile,
@@ -43,6 +44,7 @@ def simulate(
     verify: Verify = False,
     accuracy: Accuracy = None,
     record: RecordFile = None,
+    long: Long = False,
     changes: Changes = None,
     force: Force = False,
     as_json: AsJson = False,
@@ -51,7 +53,7 @@ def simulate(
     sources = {name: context.get_parameter_source(name) for name in ("method", "rtol")}
     given = [f"--{name}" for name, source in sources.items() if source and source.name == "COMMANDLINE"]
     check_accuracy(accuracy, record, given)
-    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record)
+    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record, long)
     present.show(as_json, summary, present.simulated)
     finished(summary)
 
@@ -85,6 +87,7 @@ def run(
     verify: bool = False,
     accuracy: str | None = None,
     record_file: Path | None = None,
+    long: bool = False,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
     from ..recording import record
@@ -93,7 +96,7 @@ def run(
 
     check_options(method, rtol, t_end)
     _check_result(output, resume, scene, record_file)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
     about = dict(opened.about)
@@ -114,6 +117,7 @@ def run(
             "told": told,
             "tables": opened.model.tables,
             "verify": verify,
+            "long": long,
         }
         if output is None:
             summary = simulate_model(library, opened.model.values(), **options).summary
@@ -142,8 +146,8 @@ def cost(
     check_options("erk", rtol, t_end)
     if output is not None:
         check_figure(output, scene)
-    opened = open_scene(scene, changes)
-    variants = open_variants(scene, split_changes(changes), opened)
+    opened = open_scene(scene, changes, output)
+    variants = open_variants(split_changes(changes), opened)
     rate = rate_of(opened, compile_model(opened))
     with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
         rows = measure_costs(variants, t_end=t_end, rate=rate, rtol=rtol, told=told)

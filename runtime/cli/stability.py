@@ -45,7 +45,7 @@ def stability(
     variations = read_range("--variation", variation or "1", "0:2:40", single=True)
     if output is not None:
         check_file(output, scene)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     if len(speeds) == 1 and len(variations) == 1:
         _show_multipliers(opened, mesh, float(speeds[0]) if speed else None, float(variations[0]), output, as_json)
         return

@@ -7,7 +7,7 @@ for it.
 
 import json
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -23,16 +23,21 @@ from ..checkpoint import tell_differences
 from ..netcdf import save
 from ..part import IDENTITY, Part, part_of, read_part
 from .design import Design
-from .reading import DONE
+from .reading import DONE, WARNINGS, is_done
 from .task import Outcome
 
 if TYPE_CHECKING:
     import xarray as xr
 
-FORMAT = 1
-"""Form of the files; it is counted up when older ones can no longer be read."""
+FORMAT = 2
+"""Form of the files; it is counted up when older ones can no longer be gone on with."""
+READ = (1, FORMAT)
+"""Forms that are read; the first kept no warnings."""
 LONGEST = 400
 """Bytes of a reason that are kept."""
+TEXTS = {"status": LONGEST, WARNINGS: 1000}
+"""Columns of text, and how many bytes of each are kept."""
+LEFT_OUT = "and {} more warnings, for which the row has no room"
 KIND, ABOUT = "sweep_format", "sweep"
 """Attributes that tell the form of a sweep's file, and of which sweep it is."""
 GO_ON = "run the same command again to go on"
@@ -77,6 +82,8 @@ class Store:
         All that makes the sweep what it is, by name.
     attributes
         What the file shall also tell.
+    retry
+        Whether points that failed are missing, to be computed again.
 
     Raises
     ------
@@ -86,10 +93,11 @@ class Store:
     """
 
     def __init__(
-        self, target: Path, design: Design, form: "xr.Dataset", about: Mapping[str, Any], attributes: Mapping[str, Any]
-    ) -> None:
+        self, target: Path, design: Design, form: "xr.Dataset", about: Mapping[str, Any], attributes: Mapping[str, Any],
+        retry: bool = False,
+    ) -> None:  # fmt: skip
         check_store(target)
-        self.target, self.design, self.form = target, design, form
+        self.target, self.design, self.form, self.retry = target, design, form, retry
         self.attributes = {**attributes, KIND: FORMAT, ABOUT: json.dumps(about), "design": json.dumps(design.to_json())}
         self.part: SweepPart | None = None
         self.done: set[int] = set()
@@ -108,32 +116,42 @@ class Store:
         if is_forced():
             path.unlink(missing_ok=True)
         elif self.target.exists():
-            self._note(_check_sweep(self.target, about))
-            if self.missing():
+            sealed = _check_sweep(self.target, about)
+            if sealed.sizes["point"] != self.design.size:
                 raise LtcgearError(
-                    f"{self.target}: holds {len(self.done)} of the sweep's {self.design.size} points; delete it, "
-                    "and the same command computes all"
+                    f"{self.target}: holds {sealed.sizes['point']} of the sweep's {self.design.size} points; delete "
+                    "it, and the same command computes all"
                 )
-            path.unlink(missing_ok=True)
+            self._note(sealed)
+            if self.missing():
+                self._open_again(sealed)
+            else:
+                path.unlink(missing_ok=True)
             return
         kept = _check_sweep(path, about) if path.exists() else None
         self.part = SweepPart(self.target, self._heading(), None if kept is None else kept.sizes["point"], "point")
         if kept is not None:
             self._note(_arrange(_leave_damage(path, kept), self.design))
 
+    def _open_again(self, sealed: "xr.Dataset") -> None:
+        """Turn a sealed file into a part of the same rows, which takes its place once it has all."""
+        self.part = SweepPart(self.target, self._heading(), None, "point")
+        for outcome in _outcomes(sealed, self.form):
+            self._append(self.part, outcome)
+        self.target.unlink()
+
     def _note(self, rows: "xr.Dataset") -> None:
-        """Note the points that are there, and how many of them failed."""
-        self.done = {int(point) for point in rows["point"].values}
-        self.failed = sum(str(status) != DONE for status in rows["status"].values)
+        """Note the points that are there, and how many of them failed; with ``retry`` these are not there."""
+        failed = {int(point) for point in rows["point"].values[~is_done(rows)]}
+        self.done = {int(point) for point in rows["point"].values} - (failed if self.retry else set())
+        self.failed = 0 if self.retry else len(failed)
 
     def _heading(self) -> "xr.Dataset":
         """Return the file's content without any row."""
         import xarray as xr
 
-        data: dict[str, Any] = {
-            "status": ("point", np.zeros(0, f"S{LONGEST}")),
-            CHECK: ("point", np.zeros(0, np.int32)),
-        }
+        data: dict[str, Any] = {name: ("point", np.zeros(0, f"S{size}")) for name, size in TEXTS.items()}
+        data[CHECK] = ("point", np.zeros(0, np.int32))
         for name, variable in self.form.data_vars.items():
             data[str(name)] = (("point", *variable.dims), np.zeros((0, *variable.shape)), variable.attrs)
         coordinates = {str(name): coordinate for name, coordinate in self.form.coords.items()}
@@ -158,19 +176,23 @@ class Store:
         """Add a row; once this returns it outlasts the program."""
         if self.part is None or outcome.point in self.done:
             return
-        columns: dict[str, NDArray[Any]] = {
-            "point": np.array([outcome.point], float),
-            "status": np.array([_cut(outcome.status)], f"S{LONGEST}").view("S1").reshape(1, LONGEST),
-            CHECK: np.zeros(1, np.int32),
+        self._append(self.part, outcome)
+        self.done.add(outcome.point)
+        self.failed += outcome.values is None
+
+    def _append(self, part: SweepPart, outcome: Outcome) -> None:
+        """Append a row to the part; of several of a point the last one counts."""
+        columns: dict[str, NDArray[Any]] = {"point": np.array([outcome.point], float), CHECK: np.zeros(1, np.int32)}
+        texts = {"status": _cut(outcome.status), WARNINGS: _join(outcome.warnings)}
+        columns |= {
+            name: np.array([texts[name]], f"S{size}").view("S1").reshape(1, size) for name, size in TEXTS.items()
         }
         start = 0
         for name, variable in self.form.data_vars.items():
             values = np.nan if outcome.values is None else outcome.values[start : start + variable.size]
             columns[str(name)] = np.broadcast_to(values, variable.size).reshape(1, *variable.shape)
             start += variable.size
-        self.part.append(columns)
-        self.done.add(outcome.point)
-        self.failed += outcome.values is None
+        part.append(columns)
 
     def seal(self) -> None:
         """Write the file of all rows, sorted by point; it appears whole or not at all.
@@ -202,7 +224,7 @@ def check_store(target: Path) -> None:
     for path in (target, part_of(target)):
         if path.exists() and not is_forced():
             _open(path)
-    if part_of(target).exists():
+    if part_of(target).exists() and not is_forced():
         read_part(part_of(target))
 
 
@@ -241,7 +263,7 @@ def _open(path: Path) -> "xr.Dataset":
         raise LtcgearError(f"{path}: not a readable NetCDF file ({error}); {CURE}") from error
     if not {KIND, ABOUT, "design"} <= set(found.attrs) or "point" not in found.dims:
         raise LtcgearError(f"{path}: not a sweep; {CURE}")
-    if found.attrs[KIND] != FORMAT:
+    if found.attrs[KIND] not in READ:
         raise LtcgearError(f"{path}: a sweep of form {found.attrs[KIND]}, which is not {FORMAT}; {CURE}")
     return found
 
@@ -259,6 +281,10 @@ def _leave_damage(path: Path, rows: "xr.Dataset") -> "xr.Dataset":
 def _check_sweep(path: Path, about: Mapping[str, Any]) -> "xr.Dataset":
     """Return what a file holds, and refuse that of another sweep."""
     found = _open(path)
+    if found.attrs[KIND] != FORMAT:
+        raise LtcgearError(
+            f"{path}: a sweep of form {found.attrs[KIND]}, which is read but not gone on with ({FORMAT} is); {CURE}"
+        )
     try:
         differences = tell_differences(json.loads(found.attrs[ABOUT]), about)
     except (ValueError, AttributeError) as error:
@@ -269,19 +295,40 @@ def _check_sweep(path: Path, about: Mapping[str, Any]) -> "xr.Dataset":
 
 
 def _arrange(rows: "xr.Dataset", design: Design) -> "xr.Dataset":
-    """Return the rows of a part sorted by point, with what the axes are there."""
+    """Return the rows of a part sorted by point, the last of each, with what the axes are there."""
     points = rows["point"].values.astype(np.int64)
-    order = np.argsort(points)
-    status = [bytes(text).decode("utf-8", "replace") for text in rows["status"].values]
-    rows = rows.assign_coords(point=points).assign(status=("point", np.array(status, dtype=object)))
-    rows = rows.isel(point=order)
+    at, last = np.unique(points[::-1], return_index=True)
+    rows = rows.assign_coords(point=points).isel(point=points.size - 1 - last)
+    for name in [name for name in TEXTS if name in rows]:
+        texts = [bytes(text).decode("utf-8", "replace") for text in rows[name].values]
+        rows = rows.assign({name: ("point", np.array(texts, dtype=object))})
     rows = rows.drop_vars(CHECK, errors="ignore")
     rows.attrs.pop(IDENTITY, None)
-    at = points[order]
     axes = {name: (over, values[at], told) for name, (over, values, told) in design.coordinates().items()}
     return rows.assign_coords(axes)
 
 
-def _cut(text: str) -> bytes:
-    """Return a reason on one line, cut to what a row holds."""
-    return " ".join(text.split()).encode()[:LONGEST].decode("utf-8", "ignore").encode()
+def _outcomes(rows: "xr.Dataset", form: "xr.Dataset") -> Iterator[Outcome]:
+    """Yield what came of the points of a sealed file."""
+    done = is_done(rows)
+    numbers = [rows[name].transpose("point", ...).values for name in form.data_vars]
+    for k, point in enumerate(rows["point"].values):
+        values = np.concatenate([np.ravel(variable[k]) for variable in numbers]) if done[k] else None
+        told = tuple(str(rows[WARNINGS].values[k]).splitlines())
+        yield Outcome(int(point), str(rows["status"].values[k]), values, told)
+
+
+def _cut(text: str, longest: int = LONGEST) -> bytes:
+    """Return a text on one line, cut to what a row holds."""
+    return " ".join(text.split()).encode()[:longest].decode("utf-8", "ignore").encode()
+
+
+def _join(warnings: Sequence[str]) -> bytes:
+    """Return warnings, one a line, as many as a row holds, and how many it does not."""
+    lines = [_cut(text) for text in warnings]
+    for left in range(len(lines) + 1):
+        more = [LEFT_OUT.format(left).encode()] if left else []
+        joined = b"\n".join([*lines[: len(lines) - left], *more])
+        if len(joined) <= TEXTS[WARNINGS]:
+            break
+    return joined

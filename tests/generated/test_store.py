@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from ltcgear.generated import store
 from ltcgear.generated.contract import FORMAT, Artifact, Clock, Manifest, Report, Signal, Signature, State
-from ltcgear.generated.errors import CompileError, LtcgearError, MachineError
+from ltcgear.generated.errors import CompileError, MachineError
 
 C = "double answer(void) { return 42.0; }\n"
 KEY = "0123abcd"
@@ -340,15 +340,6 @@ def test_a_manifest_of_another_format_is_not_read(home):
 def test_a_manifest_survives_its_text():
     manifest = artifact().manifest
     assert Manifest.from_json(manifest.to_json()) == manifest
-
-
-def test_files_of_the_user_are_written_whole(tmp_path):
-    store.write_folder(tmp_path / "a" / "b", {"x.c": "1", "y.c": "2"})
-    store.write_folder(tmp_path / "a" / "b", {"x.c": "3"})
-    assert {p.name: p.read_text() for p in (tmp_path / "a" / "b").iterdir()} == {"x.c": "3", "y.c": "2"}
-    (tmp_path / "file").write_text("")
-    with pytest.raises(LtcgearError, match="cannot be written"):
-        store.write_folder(tmp_path / "file" / "b", {"x.c": "1"})
 
 
 # --- compiling
