@@ -57,7 +57,7 @@ def root() -> Path:
         status = path.stat()
     except UnicodeEncodeError:
         raise MachineError(
-            f"{name}: its name is not UTF-8; set {FOLDER} to a folder of yours that has such a name"
+            f"{name}: its name is no text in UTF-8 or in this locale; set {FOLDER} to another folder of yours"
         ) from None
     except OSError as error:
         why = "is no folder" if isinstance(error, FileExistsError | NotADirectoryError) else error.strerror or error

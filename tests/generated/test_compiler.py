@@ -300,7 +300,7 @@ def test_a_store_beside_the_working_folder_stays_there(tmp_path, monkeypatch, co
 
 def test_a_store_whose_name_is_no_text_is_told(tmp_path, monkeypatch):
     monkeypatch.setenv("LTCGEAR_CACHE", os.fsdecode(os.fsencode(tmp_path) + b"/caf\xe9"))
-    with pytest.raises(MachineError, match=r"caf\\udce9: its name is not UTF-8; set LTCGEAR_CACHE"):
+    with pytest.raises(MachineError, match=r"caf\\udce9: its name is no text .*; set LTCGEAR_CACHE"):
         store.root()
 
 

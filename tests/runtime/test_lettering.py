@@ -47,10 +47,9 @@ def test_signs_of_mathematics_are_letters_on_a_page():
 
 
 def test_a_scene_may_have_such_a_name(tmp_path, run):
-    from ltcgear.symbolic.scene import read_scene_text
-
+    shipped = Path(__file__).parents[2] / "symbolic" / "scenes" / "psh.toml"
     scene = tmp_path / "$x^{$.toml"
-    scene.write_text(read_scene_text("psh").replace('title = "', 'title = "$x^{$ ', 1))
+    scene.write_text(shipped.read_text("utf-8").replace('title = "', 'title = "$x^{$ ', 1))
     for command in (
         ("campbell", scene, "--speed", "300:900:2", "--harmonics", "1", "-o", tmp_path / "a.png"),
         ("stability", scene, "-o", tmp_path / "b.svg"),
