@@ -88,8 +88,11 @@ class Axis:
 
     @classmethod
     def from_json(cls, kept: Mapping[str, Any]) -> "Axis":
-        """Return the axis that ``to_json`` wrote."""
-        return cls(**{**kept, "items": tuple(kept["items"])})
+        """Return the axis that ``to_json`` wrote; ValueError where it has more points than any."""
+        axis = cls(**{**kept, "items": tuple(kept["items"])})
+        if axis.count is not None and not 1 <= axis.count <= MOST:
+            raise ValueError(f"an axis of {axis.count} points")
+        return axis
 
 
 def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:

@@ -131,15 +131,18 @@ class Design:
         Raises
         ------
         LtcgearError
-            If other points come out, as another version of NumPy, SciPy or SALib may draw them.
+            If it cannot be read, or other points come out, as another version of NumPy, SciPy or SALib may draw them.
         """
-        kept = json.loads(kept) if isinstance(kept, str) else kept
-        axes = [Axis.from_json(axis) for axis in kept["axes"]]
-        design = draw_design(axes, kept["sample"], kept["points"], kept["seed"])
-        if kept["digest"] not in (design.digest, design._digest("<f8")):  # files of before have the latter
+        try:
+            kept = json.loads(kept) if isinstance(kept, str) else kept
+            axes = [Axis.from_json(axis) for axis in kept["axes"]]
+            design, digest = draw_design(axes, kept["sample"], kept["points"], kept["seed"]), kept["digest"]
+        except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
+            raise LtcgearError(f"its design cannot be read ({error}), so it is damaged") from error
+        if digest not in (design.digest, design._digest("<f8")):  # files of before have the latter
             raise LtcgearError(
                 f"the {design.sample} design was drawn by other versions of NumPy, SciPy or SALib, which this one "
-                "cannot draw again; install those that the file names"
+                "cannot draw again, or is damaged; install those that the file names"
             )
         return design
 
