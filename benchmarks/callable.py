@@ -12,7 +12,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from ltcgear.generated import store
+from ltcgear.generated import folders
 from ltcgear.runtime.batch import Batch
 from ltcgear.runtime.dynamics import Dynamics
 from ltcgear.runtime.kernel import Kernel
@@ -135,7 +135,7 @@ def main() -> None:
     data = {"machine": describe_machine(), "scenes": {name: measure(name) for name in SCENES}}
     tables = {"overhead": scene_table(data), "ways": way_table(data)}
     print(*tables.values())
-    store.write_folder(DATA.parent, {DATA.name: json.dumps(data, indent=1) + "\n"})
+    folders.write_folder(DATA.parent, {DATA.name: json.dumps(data, indent=1) + "\n"})
     put(PAGE, tables)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-from ltcgear.generated import store
+from ltcgear.generated import folders
 from ltcgear.runtime.ensemble import simulate_many
 from ltcgear.runtime.library import build
 from ltcgear.runtime.precision.machine import describe_machine
@@ -107,8 +107,8 @@ def main() -> None:
     made = table(data)
     print(made)
     before, rest = PAGE.read_text("utf-8").split(BEGIN)
-    store.write_folder(DATA.parent, {DATA.name: json.dumps(data, indent=1) + "\n"})
-    store.write_folder(DOCS, {PAGE.name: before + BEGIN + made + END + rest.split(END)[1]})
+    folders.write_folder(DATA.parent, {DATA.name: json.dumps(data, indent=1) + "\n"})
+    folders.write_folder(DOCS, {PAGE.name: before + BEGIN + made + END + rest.split(END)[1]})
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ It prints the table and writes it between the marks of docs/ladder.md.
 from pathlib import Path
 from typing import Any
 
-from ltcgear.generated import store
+from ltcgear.generated import folders
 from ltcgear.runtime.cost import MEASURES, ROUNDS, Variant, measure_costs
 from ltcgear.runtime.library import build
 from ltcgear.runtime.progress import progress
@@ -116,7 +116,7 @@ def main() -> None:
     table.print(Console(width=160))
     page = PAGE.read_text("utf-8")
     head, tail = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
-    store.write_folder(PAGE.parent, {PAGE.name: f"{head}\n{markdown(table)}\n{tail}"})
+    folders.write_folder(PAGE.parent, {PAGE.name: f"{head}\n{markdown(table)}\n{tail}"})
     print(f"wrote {PAGE}")
 
 

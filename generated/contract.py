@@ -31,6 +31,8 @@ from typing import Any
 FORMAT = 4
 HELD = 1e30
 """A force [N] or length [m] beyond all others, with which a regime is held."""
+MOST_SAMPLES = 1e8
+"""The most that a result may hold for each of its quantities, however many a scene or a run asks for."""
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
 FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "borders", "energy", "motion")

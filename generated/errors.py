@@ -24,8 +24,15 @@ class CheckError(LtcgearError):
     exit_code = 1
 
 
-class CompileError(LtcgearError):
-    """The C compiler refused generated code; the message names the log."""
+class MachineError(LtcgearError):
+    """The machine, not the model: a store, a disk, a memory or a program that cannot be used.
+
+    Every other model would meet the same, so that a sweep stops at it in place of going on without the row.
+    """
+
+
+class CompileError(MachineError):
+    """The C compiler cannot be used or refused generated code; the message names the log."""
 
     exit_code = 3
 

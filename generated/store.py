@@ -6,28 +6,34 @@ import hashlib
 import os
 import shlex
 import shutil
-import subprocess
-import tempfile
+import struct
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import platformdirs
 
+from .compiler import MORE_FLAGS as MORE_FLAGS
+from .compiler import Compiler as Compiler
+from .compiler import Ended, more_flags, run_compiler, seconds_for
+from .compiler import compiler as compiler
 from .contract import Artifact, Manifest
-from .errors import CompileError, LtcgearError
+from .drafts import draft, told
+from .errors import CompileError, MachineError
+from .text import shorten
 
 FLAGS = (
     "-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-fno-semantic-interposition",
     "-fno-math-errno", "-Wall", "-Werror",
 )  # fmt: skip
 """errno, and calls through tables between a library's own functions, only cost time."""
-MORE_FLAGS = "LTCGEAR_CFLAGS"
-"""Environment variable with flags that come after these, and win."""
+FOLDER = "LTCGEAR_CACHE"
+"""Environment variable with the store's folder."""
 LIBRARIES = ("-lm",)
 PAUSE = 0.01
+ELF = struct.Struct("<40xQ10xHH2x")
+"""The head of a shared library: where its table of sections is, which is the last of it, their size and count."""
 SEAL = hashlib.sha256().digest_size
 
 
@@ -36,20 +42,28 @@ def root() -> Path:
 
     Raises
     ------
-    LtcgearError
+    MachineError
         If it cannot be made, or belongs to somebody else: libraries are loaded from it.
     """
-    chosen = os.environ.get("LTCGEAR_CACHE")
-    path = Path(chosen) if chosen else Path(platformdirs.user_cache_dir("ltcgear"))
+    chosen = os.environ.get(FOLDER)
+    path = Path(chosen or platformdirs.user_cache_dir("ltcgear"))
+    if not (chosen or path.is_absolute()):
+        raise MachineError(f"this user has no home folder for the store; set {FOLDER} to a folder of yours")
+    name = shorten(str(path))
     try:
+        path = path.absolute()  # one folder, also where the working folder changes
+        str(path).encode()
         path.mkdir(mode=0o700, parents=True, exist_ok=True)
         status = path.stat()
+    except UnicodeEncodeError:
+        raise MachineError(
+            f"{name}: its name is not UTF-8; set {FOLDER} to a folder of yours that has such a name"
+        ) from None
     except OSError as error:
-        raise LtcgearError(
-            f"{path}: the store cannot be used: {error}; set LTCGEAR_CACHE to a folder of yours"
-        ) from error
+        why = "is no folder" if isinstance(error, FileExistsError | NotADirectoryError) else error.strerror or error
+        raise MachineError(f"{name}: the store cannot be used: {why}; set {FOLDER} to a folder of yours") from error
     if status.st_uid != os.getuid() or status.st_mode & 0o022:
-        raise LtcgearError(f"{path}: others may write here; set LTCGEAR_CACHE to a folder that only you can write")
+        raise MachineError(f"{name}: others may write here; set {FOLDER} to a folder that only you can write")
     return path
 
 
@@ -57,7 +71,7 @@ def digest(parts: Sequence[str]) -> str:
     """Return the key of some texts; each is counted with its length, so that borders matter."""
     state = hashlib.sha256()
     for part in parts:
-        data = part.encode()
+        data = part.encode("utf-8", "surrogateescape")
         state.update(f"{len(data)}:".encode())
         state.update(data)
     return state.hexdigest()
@@ -94,36 +108,21 @@ def put_folder(target: Path, files: dict[str, str]) -> None:
     """
     if _holds(target, files):
         return
-    target.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-    draft = Path(tempfile.mkdtemp(dir=target.parent, prefix=".draft-"))
-    try:
-        (draft / "new").mkdir()
+    with draft(target.parent) as folder:
+        new = folder / "new"
+        new.mkdir()
         for name, text in files.items():
-            (draft / "new" / name).write_text(text, encoding="utf-8")
+            (new / name).write_text(text, encoding="utf-8")
         with _alone(target.parent):
             if _holds(target, files):  # somebody else has put the same content meanwhile
                 return
             with contextlib.suppress(FileNotFoundError):
-                target.rename(draft / "replaced")
+                target.rename(folder / "replaced")
             try:
-                (draft / "new").rename(target)
+                new.rename(target)
             except OSError:
                 if not target.is_dir():  # likewise, where files cannot be locked
                     raise
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
-
-
-def write_folder(target: Path, texts: dict[str, str]) -> None:
-    """Write files into a folder of the user's, each one whole or not at all."""
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-        for name, text in texts.items():
-            draft = target / f".draft-{os.getpid()}-{name}"
-            draft.write_text(text, encoding="utf-8")
-            draft.replace(target / name)
-    except OSError as error:
-        raise LtcgearError(f"{target}: cannot be written: {error.strerror}; give another folder") from error
 
 
 def files(artifact: Artifact) -> dict[str, str]:
@@ -145,16 +144,12 @@ def put(key: str, artifact: Artifact) -> None:
 
     Raises
     ------
-    LtcgearError
+    MachineError
         If the store cannot be written.
     """
     folder = model_folder(key)
-    try:
+    with told(folder):
         put_folder(folder, files(artifact))
-    except OSError as error:
-        raise LtcgearError(
-            f"{folder}: cannot be written: {error.strerror or error}; make room or remove it, or set LTCGEAR_CACHE"
-        ) from error
 
 
 def _read(folder: Path) -> Artifact:
@@ -191,48 +186,6 @@ def get(key: str) -> Artifact | None:
     return None
 
 
-@dataclass(frozen=True)
-class Compiler:
-    """A C compiler: path and what it says of itself."""
-
-    path: str
-    version: str
-
-
-@cache
-def compiler() -> Compiler | None:
-    """Return the C compiler: that of the environment variable CC, else cc, gcc or clang; None without one.
-
-    Raises
-    ------
-    CompileError
-        If CC names a compiler that is not there.
-    """
-    wanted = os.environ.get("CC")
-    path = next((p for p in map(shutil.which, [wanted] if wanted else ["cc", "gcc", "clang"]) if p), None)
-    if path is None:
-        if wanted:
-            raise CompileError(f"CC = {wanted}: no such compiler; correct CC or unset it")
-        return None
-    version = subprocess.run([path, "--version"], capture_output=True, text=True, check=False).stdout
-    return Compiler(path, version)
-
-
-def more_flags() -> tuple[str, ...]:
-    """Return the flags of the environment variable LTCGEAR_CFLAGS, split as a shell does.
-
-    Raises
-    ------
-    CompileError
-        If a quote is not closed.
-    """
-    given = os.environ.get(MORE_FLAGS, "")
-    try:
-        return tuple(shlex.split(given))
-    except ValueError as error:
-        raise CompileError(f"{MORE_FLAGS} = {given}: {error}; correct it or unset it") from error
-
-
 def flags() -> tuple[str, ...]:
     """Return the flags by which libraries are compiled."""
     return (*FLAGS, *more_flags())
@@ -256,37 +209,60 @@ def library(c: str, with_compiler: Compiler) -> Path:
     Raises
     ------
     CompileError
-        If the compiler refuses it; the message names the log that was kept. Or if the store cannot be written.
+        If the compiler refuses it or does not end; the message names the log that was kept.
+    MachineError
+        If the store cannot be written.
     """
-    command = [with_compiler.path, *flags()]
+    command = [*with_compiler.command, *flags()]
     key = digest([c, with_compiler.path, with_compiler.version, *command, *LIBRARIES, processor()])
     folder = root() / "libraries"
     target = folder / f"{key}.so"
-    if _sealed(target):
-        return target
-    try:
-        folder.mkdir(mode=0o700, exist_ok=True)
-        _compile(command, c, target)
-    except OSError as error:
-        raise CompileError(f"{target}: cannot be made: {error}; make room or set LTCGEAR_CACHE") from error
+    if not _sealed(target):
+        with told(target):
+            _compile(with_compiler, c, target)
     return target
 
 
-def _compile(command: list[str], c: str, target: Path) -> None:
+def _compile(with_compiler: Compiler, c: str, target: Path) -> None:
     """Compile a C text; the library appears whole or not at all."""
-    with tempfile.TemporaryDirectory(dir=target.parent, prefix=".draft-") as draft:
-        source, built = Path(draft, "model.c"), Path(draft, "model.so")
+    with draft(target.parent) as folder:
+        source, built = folder / "model.c", folder / "model.so"
         source.write_text(c, encoding="utf-8")
-        run = subprocess.run(
-            [*command, str(source), "-o", str(built), *LIBRARIES], capture_output=True, text=True, check=False
-        )
-        if run.returncode != 0:
-            log = target.with_suffix(".log")
-            log.write_text(f"{' '.join(run.args)}\n{run.stdout}{run.stderr}", encoding="utf-8")
-            cause = f" with {MORE_FLAGS} = {' '.join(more_flags())}" if more_flags() else ""
-            raise CompileError(f"{command[0]} refused the generated C{cause} (exit code {run.returncode}); log: {log}")
+        command = [*with_compiler.command, *flags(), str(source), "-o", str(built), *LIBRARIES]
+        ended = run_compiler(command, seconds_for(len(c)), folder)
+        if ended.code != 0:
+            cause = f" with {MORE_FLAGS} = {shorten(shlex.join(more_flags()))}" if more_flags() else ""
+            log = _keep_log(target.with_suffix(".log"), shlex.join(command), ended)
+            raise CompileError(f"{with_compiler.name} refused the generated C{cause} ({ended.how}){log}")
+        check_library(built, with_compiler)
         _seal(built)
         built.replace(target)
+
+
+def _keep_log(log: Path, command: str, ended: Ended) -> str:
+    """Keep what a compiler said, and return where; nothing where there is no room for it."""
+    try:
+        log.write_bytes(f"{command}\n{ended.text}".encode("utf-8", "surrogateescape"))
+    except OSError:
+        return ""
+    return f"; log: {log}"
+
+
+def check_library(path: Path, made_by: Compiler) -> None:
+    """Refuse what a compiler made without an error and is no whole shared library: to load it could end the process.
+
+    Raises
+    ------
+    CompileError
+        If the file is missing, or ends before its table of sections.
+    """
+    data = path.read_bytes() if path.is_file() else b""
+    whole = len(data) >= ELF.size and data[:5] == b"\x7fELF\x02"
+    if whole:
+        table, size, count = ELF.unpack_from(data)
+        whole = table + size * count <= len(data)
+    if not whole:
+        raise CompileError(f"{made_by.name} reported no error and made no whole library; correct CC or unset it")
 
 
 def _seal(path: Path) -> None:

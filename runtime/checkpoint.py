@@ -2,6 +2,7 @@
 
 import json
 import sys
+import zlib
 from collections.abc import Mapping
 from importlib.metadata import version
 from math import isclose
@@ -11,21 +12,25 @@ from zipfile import BadZipFile
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import follow, written_whole
 
 from .library import Library
 from .march import Snapshot
 from .signals import Pairs
 
-AGAIN = "leave out --resume to begin anew"
+AGAIN = "--force in place of --resume begins anew"
 ROUNDED = 1e-13
 """Relative difference of parameters that is rounding: they follow from a scene's numbers by libraries."""
+DAMAGE = (OSError, ValueError, KeyError, EOFError, TypeError, NotImplementedError, MemoryError, BadZipFile, zlib.error)
+"""What a damaged checkpoint raises."""
 SHOWN = 3
 """Differences that a refusal tells."""
 
 
 def checkpoint_of(target: Path) -> Path:
     """Return where the checkpoint of a result under way is."""
-    return target.with_suffix(".checkpoint.npz")
+    real = follow(target)
+    return real.with_name(f"{real.stem}.checkpoint.npz")
 
 
 def describe_run(
@@ -57,22 +62,14 @@ def write_checkpoint(target: Path, description: Mapping[str, Any], kept: Snapsho
 
     Raises
     ------
-    LtcgearError
+    MachineError
         If it cannot be written.
     """
-    path = checkpoint_of(target)
-    draft = path.with_name(f".draft-{path.name}")
     arrays: dict[str, Any] = {**kept, "description": np.array(json.dumps(description))}
-    try:
-        with draft.open("wb") as file:
-            np.savez(file, **arrays)
-        draft.replace(path)
-    except OSError as error:
-        raise LtcgearError(
-            f"{path}: cannot be written: {error.strerror or error}; make room, then --resume goes on"
-        ) from error
-    finally:
-        draft.unlink(missing_ok=True)
+    path = checkpoint_of(target)
+    retry = "--resume goes on" if path.exists() else "run the same command again"
+    with written_whole(path, retry) as draft, draft.open("wb") as file:
+        np.savez(file, **arrays)
 
 
 def read_checkpoint(target: Path, description: Mapping[str, Any]) -> Snapshot:
@@ -90,7 +87,9 @@ def read_checkpoint(target: Path, description: Mapping[str, Any]) -> Snapshot:
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             kept = dict(file)
         found = json.loads(str(kept.pop("description")))
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+        if not isinstance(found, dict):
+            raise ValueError("no description")
+    except DAMAGE as error:
         raise LtcgearError(f"{path}: damaged ({error}); {AGAIN}") from error
     differences = tell_differences(found, description)
     if differences:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output
 
-from .plots import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION
-from .results import check_target
+from .plots import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILLION, make_canvas, save_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,11 +29,11 @@ BENEFITS = (
 SMALLEST = 1e-4  # [%] changes below are drawn at the edge
 
 
-def check_figure(path: Path) -> None:
+def check_figure(path: Path, *sources: str) -> None:
     """Refuse a figure that cannot be written or has no known format, before anything is computed."""
+    check_output(path, *sources)
     if path.suffix not in SUFFIXES:
         raise LtcgearError(f"{path}: figures are {', '.join(SUFFIXES)}; name it {path.with_suffix('.png')}")
-    check_target(path)
 
 
 def draw_costs(data: dict[str, Any], path: Path) -> Path:
@@ -51,12 +51,8 @@ def draw_costs(data: dict[str, Any], path: Path) -> Path:
     Path
         The file written.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     full, *others = data["variants"]
-    figure = Figure(figsize=(12.0, 2.8 + 0.7 * max(len(others), 1)), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = make_canvas(12.0, 2.8 + 0.7 * max(len(others), 1))
     left, right = figure.subplots(1, 2, sharey=True)
     _draw_costs(left, full, others)
     _draw_benefits(right, others)
@@ -64,8 +60,7 @@ def draw_costs(data: dict[str, Any], path: Path) -> Path:
     left.set_yticks(range(len(others)), names, fontsize=9)
     left.set_ylim(len(others) - 0.5, -0.5)
     figure.suptitle(f"{data['scene']}: each effect left out by itself", x=0.01, ha="left", fontsize=12)
-    figure.savefig(path, dpi=150)
-    return path
+    return save_figure(figure, path)
 
 
 def _quantity(row: dict[str, Any], key: str) -> float | None:

@@ -85,7 +85,7 @@ class Dynamics:
     Raises
     ------
     LtcgearError
-        If a parameter or a table is missing, or a value is not a finite number.
+        If a parameter or a table is missing or unknown, or a number is none that the model can take.
     CompileError
         If there is no compiler.
     """
@@ -98,7 +98,7 @@ class Dynamics:
         self.states = tuple(state.name for state in manifest.states)
         self.parameters = tuple(name for name, _ in manifest.parameters)
         self.output_names = tuple(f"{r.quantity}:{r.item}" if r.item else r.quantity for r in manifest.reports)
-        self._given = self._first_parameters(values)
+        self._given = library.parameters(values)
         self.p = self._given.copy()
         self._signals = Signals(manifest.signals, self._tables)
         self._callee = callee = Callee()
@@ -114,17 +114,6 @@ class Dynamics:
     def __reduce__(self) -> Any:  # noqa: ANN401
         """Refuse to be copied: a copy would share the memory that the C works in."""
         raise LtcgearError("Dynamics cannot be copied or sent to a process; make another: Dynamics(library, values)")
-
-    def _first_parameters(self, values: Mapping[str, float]) -> Vector:
-        """Return the parameter vector."""
-        missing = [name for name in self.parameters if name not in values]
-        if missing:
-            raise LtcgearError(f"values: {', '.join(missing[:5])} missing; give the model's numbers (model.values())")
-        p = self.library.parameters(values)
-        wrong = [name for name, value in zip(self.parameters, p, strict=True) if not np.isfinite(value)]
-        if wrong:
-            raise LtcgearError(f"values: {', '.join(wrong[:5])} must be finite numbers")
-        return p
 
     def _lay_out(self) -> None:
         """Give the C its sizes, what stays, and room to work in."""

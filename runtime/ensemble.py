@@ -10,7 +10,6 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import asdict
-from difflib import get_close_matches
 from functools import partial
 from typing import Any
 
@@ -26,16 +25,17 @@ from .library import Library
 from .rates import Rate
 from .reading import no_rows
 from .results import Result
+from .room import check_size
 from .signals import Pairs
 from .simulation import (
     DEFAULT_METHOD,
     DEFAULT_RTOL,
     Run,
     check_options,
-    check_size,
     list_settings,
 )
 from .stepper import Counts
+from .values import tell, value_faults
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
@@ -43,8 +43,6 @@ FREE = ("erk",)
 """Methods whose runs go on side by side; the others integrate with CasADi, one run after the other."""
 AHEAD = 2
 """Runs that are set up before their results are asked for, per worker."""
-MOST_FAULTS = 8
-"""Faults of parameter sets that are told at once."""
 LOOK = 0.1
 """Seconds between two looks at how far the runs are."""
 
@@ -62,6 +60,7 @@ def simulate_many(
     told: Told = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
     workers: int | None = None,
+    long: bool = False,
 ) -> Iterator[Result]:
     """Simulate a model with many parameter sets; each result is to the last bit that of ``simulate``.
 
@@ -91,12 +90,12 @@ def simulate_many(
         If an option or a parameter set is wrong, before anything runs.
     """
     given, count = list(sets), _count_workers(workers)
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, rate)
     _check_sets(library, given)
     if rate is not None:
         check_length(t_end * rate)
         check_size(library, t_end * rate * min(len(given), AHEAD * count + 1))
-    options = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "raw": raw, "tables": tables}
+    options = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "raw": raw, "tables": tables, "long": long}
     vectors = [library.parameters(values) for values in given]
     return _Ensemble(library, vectors, options, attributes, told).results(count)
 
@@ -111,24 +110,9 @@ def _count_workers(workers: int | None) -> int:
 
 
 def _check_sets(library: Library, sets: Sequence[Mapping[str, float]]) -> None:
-    """Refuse sets that lack a parameter, or hold one that the model does not have or that is not a finite number."""
-    faults = [f"  set {k}: {fault}" for k, values in enumerate(sets) for fault in _faults(library, values)]
-    if faults:
-        more = [f"  and {len(faults) - MOST_FAULTS} more"] if len(faults) > MOST_FAULTS else []
-        raise LtcgearError("\n".join(["parameter sets cannot be used:", *faults[:MOST_FAULTS], *more]))
-
-
-def _faults(library: Library, values: Mapping[str, float]) -> Iterator[str]:
-    """Yield what is wrong with a set."""
-    names = dict(library.manifest.parameters)
-    for name in sorted(names.keys() - values.keys()):
-        yield f"{name} is missing; begin with the model's values (model.values()) and replace some"
-    for name in sorted(values.keys() - names.keys()):
-        near = get_close_matches(name, names, 1)
-        yield f"{name}: the model has no such parameter; " + (f'did you mean "{near[0]}"?' if near else "leave it out")
-    for name in sorted(names.keys() & values.keys()):
-        if not (isinstance(values[name], int | float | np.number) and math.isfinite(values[name])):
-            yield f"{name} = {values[name]!r}: must be a finite number [{names[name] or '1'}]"
+    """Refuse sets that lack a parameter, or hold one that the model does not have or that is not a number for it."""
+    found = ((k, fault) for k, values in enumerate(sets) for fault in value_faults(library.manifest, values))
+    tell([f"set {k}: {fault}" for k, fault in found], "parameter sets cannot be used")
 
 
 class _StoppedError(Exception):

@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import LinearOperator, onenormest, splu
 
+from .blas import SingleThreaded
 from .continuation import follow
 from .kernel import Kernel
 from .library import Library
 from .relaxation import relax
 from .signals import Pairs, Signals
+from .teeth import Teeth
 
 Vector = NDArray[np.float64]
 ROUNDING = 1e-8
@@ -121,6 +123,7 @@ def _replaced(library: Library, p: Vector, name: str, value: float) -> Vector:
     )
 
 
+@SingleThreaded()
 def find_equilibrium(
     library: Library, p: Vector, levels: Vector | None = None, tables: Mapping[str, Pairs] | None = None
 ) -> Equilibrium:
@@ -143,8 +146,19 @@ def find_equilibrium(
     Raises
     ------
     SolverError
-        If a loaded member is not restrained, or the iteration does not settle.
+        If a loaded member is not restrained, the iteration does not settle, or teeth would deflect by more than teeth.
     """
+    at, teeth = _seek(library, p, levels, tables), Teeth(library, p)
+    if teeth.columns:
+        values = Kernel(library.functions["outputs"])(at.x, at.s, settled(library, p))[0]
+        wrong = teeth.impossible(teeth.deepest(np.atleast_2d(values)))
+        if wrong:
+            raise SolverError(f"no equilibrium to begin from: {wrong}")
+    return at
+
+
+def _seek(library: Library, p: Vector, levels: Vector | None, tables: Mapping[str, Pairs] | None) -> Equilibrium:
+    """Solve from the state of the rigid motion, by way of closed contacts where there are any."""
     x = start_state(library, p)
     levels = mean_levels(library, x, p) if levels is None else levels
     signals = Signals(library.manifest.signals, tables or {}).before(0.0)

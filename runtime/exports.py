@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output, written_whole
 
 from .outputs import find_columns
-from .results import Result, check_target, written_whole
+from .results import Result
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,11 +42,11 @@ def export(result: Result, path: str | Path, wanted: list[str] | None = None) ->
     return path
 
 
-def check_export(path: Path, source: Path | None = None) -> None:
+def check_export(path: Path, *sources: Path) -> None:
     """Refuse a file that cannot be written, of another form, or that is the source itself."""
+    check_output(path, *sources)
     if path.suffix not in WRITERS:
         raise LtcgearError(f"{path}: must end with {' or '.join(WRITERS)}; the NetCDF file itself opens in xarray")
-    check_target(path, source)
 
 
 def _select(dataset: "xr.Dataset", wanted: list[str] | None) -> Columns:

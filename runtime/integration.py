@@ -6,19 +6,22 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from ltcgear.generated.contract import MOST_SAMPLES
 from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
+from .blas import SingleThreaded
 from .brake import Brake
 from .diagnosis import explain
 from .equilibrium import Equilibrium
 from .extremes import MeshExtremes
-from .guard import check_explicit
+from .guard import check_run
 from .library import Library
 from .march import March, Snapshot
 from .sampling import Block, Points, Samples, join
 from .signals import Pairs, Signals
-from .stepper import EXPLICIT, Counts
+from .stepper import Counts
+from .switching import levels_of
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
@@ -50,6 +53,8 @@ class Outcome:
         ``done``, or why it stopped and what to do.
     end
         Time reached [s].
+    last
+        States, levels and load signals, and parameters there.
     seconds
         Time taken to set the integrator up (it may have to be compiled), to integrate and to read outputs [s].
     """
@@ -62,6 +67,7 @@ class Outcome:
     extremes: MeshExtremes
     status: str
     end: float
+    last: tuple[Vector, Vector, Vector]
     seconds: dict[str, float]
 
 
@@ -71,7 +77,9 @@ class Trajectory(Outcome, Block):
 
 
 def check_length(samples: float) -> None:
-    """Refuse a run of less than one sample."""
+    """Refuse a run of less than one sample, or of more than a result may hold."""
+    if samples > MOST_SAMPLES:
+        raise LtcgearError(f"t_end times rate are {samples:.2g} samples, above {MOST_SAMPLES:.0e}; lower t_end or rate")
     if round(samples) < 1:
         raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
 
@@ -93,25 +101,27 @@ class Integration:
         The model's tables over time, by name.
     passing
         See ``march.March``.
+    long
+        Whether it may take more than an hour, see ``guard``.
 
     Raises
     ------
     SolverError
         If the method cannot be set up.
     LtcgearError
-        If the run is shorter than one sample.
+        If the run is shorter than one sample, or would take more than an hour and was not asked to.
     """
 
+    @SingleThreaded()
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
-        tables: Mapping[str, Pairs] | None = None, passing: float | None = None,
+        tables: Mapping[str, Pairs] | None = None, passing: float | None = None, long: bool = False,
     ) -> None:  # fmt: skip
         clock = perf_counter()
-        if method in EXPLICIT:
-            check_explicit(library, at, p, method, t_end)
         check_length(t_end * rate)
         last = round(t_end * rate)
         self.signals = Signals(library.manifest.signals, tables or {})
+        check_run(library, at, p, method=method, rtol=rtol, t_end=t_end, rate=rate, tables=tables, long=long)
         self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})"
         try:
             self.march = March(library, p, at, method, rtol, last, rate, self.signals, passing=passing)
@@ -155,11 +165,13 @@ class Integration:
         expected = march.expected_events()
         if status == "done" and expected != events:
             status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
-        energy = march.first_energy, march.energy(march.z, march.cells, self.signals.at(march.time))
+        signals = self.signals.at(march.time)
+        energy = march.first_energy, march.energy(march.z, march.cells, signals)
+        x, s = march.frame.origin + march.frame.scale * march.z, np.concatenate([levels_of(march.cells), signals])
         end = min(march.time, self.samples.end)
         return Outcome(
             march.state.work, march.state.jump_energy, energy, march.counts, expected, march.extremes, status, end,
-            self.seconds,
+            (x, s, march.p.copy()), self.seconds,
         )  # fmt: skip
 
     def snapshot(self) -> Snapshot:
@@ -184,7 +196,7 @@ class Integration:
                 mark()
                 marked = perf_counter()
             if brake.pulled:
-                return f"interrupted at t = {march.time:.6g} s; what was computed until then is kept"
+                return f"interrupted at t = {march.time:.6g} s"
             try:
                 march.proceed(SLICE)
             except RuntimeError as error:

@@ -2,7 +2,6 @@
 
 import ctypes
 import shutil
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -13,8 +12,11 @@ import casadi as ca
 import numpy as np
 from ltcgear.generated import store
 from ltcgear.generated.contract import FUNCTIONS, Artifact, Manifest
+from ltcgear.generated.drafts import draft
 from ltcgear.generated.errors import CompileError
 from numpy.typing import NDArray
+
+from .values import read_values
 
 Loaded = TypeVar("Loaded")
 Vector = NDArray[np.float64]
@@ -57,8 +59,8 @@ class Library:
         return "compiled C" if self.path else "CasADi virtual machine"
 
     def parameters(self, values: Mapping[str, float]) -> Vector:
-        """Return the parameter vector; KeyError for a parameter that is missing."""
-        return np.array([values[name] for name, _ in self.manifest.parameters])
+        """Return the parameter vector, shape (n_p,); LtcgearError with every name or number that is wrong."""
+        return read_values(self.manifest, values)
 
     def index(self, ending: str) -> NDArray[np.int64]:
         """Return the indices of deviations (``""``) or of their rates (``".rate"``)."""
@@ -111,7 +113,7 @@ def load(make: Callable[[], Path], loader: Callable[[Path], Loaded]) -> Loaded:
         path.unlink(missing_ok=True)
         path = make()
         # What was once loaded from a path stands for that path until the process ends: load from another.
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".draft-") as folder:
+        with draft(path.parent) as folder:
             return loader(Path(shutil.copy(path, folder)))
     except UNLOADABLE as error:
         raise CompileError(

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
+from ltcgear.generated import writing
 
 SHORTEST_PAPER = 0.2  # [s]: half of it must hold some turns of the slowest mesh for tables and spectra
 
@@ -28,6 +29,12 @@ ResultFile = Annotated[
 Resume = Annotated[
     bool, typer.Option("--resume", help="Go on with a run that was stopped or killed; give what it was given.")
 ]
+Force = Annotated[
+    bool,
+    typer.Option(
+        "--force", callback=writing.force, help="Write over whatever is there: another kind of file, an unfinished run."
+    ),
+]
 ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for result and figures.")]
 EndTime = Annotated[
     float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")
@@ -42,6 +49,7 @@ Tolerance = Annotated[float, typer.Option("--rtol", help="Relative tolerance; it
 Verify = Annotated[
     bool, typer.Option("--verify", help="Estimate the accuracy of mesh forces by runs at the tolerance and a tenth.")
 ]
+Long = Annotated[bool, typer.Option("--long", help="Begin a run too that is reckoned to take more than an hour.")]
 Accuracy = Annotated[
     str | None,
     typer.Option(

@@ -1,12 +1,9 @@
 """Pages: templates of HTML in the room that fills them; text is escaped unless a template says that it is HTML."""
 
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 from ltcgear.generated.errors import LtcgearError
-
-from .results import written_whole
 
 
 def open_templates(room: str, needing: str) -> Any:  # noqa: ANN401
@@ -36,16 +33,3 @@ def open_templates(room: str, needing: str) -> Any:  # noqa: ANN401
 def read_asset(room: str, name: str) -> str:
     """Return the text of a file beside a package's templates."""
     return (resources.files(room) / "templates" / name).read_text("utf-8")
-
-
-def write_text(text: str, path: Path) -> Path:
-    """Write a page; it appears whole or not at all.
-
-    Raises
-    ------
-    LtcgearError
-        If it cannot be written.
-    """
-    with written_whole(path) as draft:
-        draft.write_text(text, "utf-8")
-    return path

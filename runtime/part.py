@@ -1,25 +1,28 @@
 """Part: the samples of a run under way on disk, readable at every moment; sealed, they are the result.
 
-While a run goes on its rows are appended to ``NAME.part.nc``, a NetCDF file of the classic form with 64-bit
-offsets: a heading that is written once, then one record a row, all variables after each other in big-endian
-numbers of 4 or 8 bytes, so without padding (NetCDF Classic Format Specification). How many records there are
-stands in bytes 4 to 8 and is written after them, so that a killed run leaves a whole file; HDF5 would be
-broken where it is killed while it writes. At the end rows are copied to NetCDF4, not compressed:
-the last digits of an integration are noise, so a fifth of the room is all that packing would save, for more time than
-the run itself takes.
+While a run goes on its rows are appended to ``NAME.part.nc``, a NetCDF file of the classic form (see ``classic``): a
+heading that is written once, then one record a row. How many records there are is written after them, so that a killed
+run leaves a whole file; HDF5 would be broken where it is killed while it writes. The heading bears an identity that no
+other part has and its check sum; a running check sum over the rows tells whether they are those that were written. At
+the end rows are copied to NetCDF4, not compressed: the last digits of an integration are noise, so a fifth of the room
+is all that packing would save, for more time than the run itself takes.
 """
 
+import os
+import secrets
+import zlib
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output, follow, told, written_whole
 from numpy.typing import NDArray
 
-from .results import has_sum
+from .classic import BROKEN, COUNT, Layout, make_heading, read_layout
+from .netcdf import begin, fill
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,19 +30,26 @@ if TYPE_CHECKING:
 
 BLOCK = 1024
 """Rows that are copied at once."""
-MARK = -1.7281924756351e-306
-"""A time that no run knows; by it a new file's records are found."""
-BEGIN, PLACE = "records_begin", -3.9471520846213e-306
-"""Attribute that tells where the records begin [bytes], and what stands there until that is known."""
+IDENTITY, NO_SUM = "identity", "0" * 8
+"""Attribute with a name that no other part has and the check sum of the heading, and what stands for that meanwhile."""
+BEGIN_ANEW = "to begin anew, delete it or give --force"
 
 
 def part_of(target: Path) -> Path:
     """Return where the rows of a result under way are."""
-    return target.with_suffix(".part.nc")
+    real = follow(target)
+    return real.with_name(f"{real.stem}.part.nc")
 
 
 class Part:
     """Rows of a run under way, in a file.
+
+    Attributes
+    ----------
+    identity
+        A name that no other part has, and the check sum of the heading.
+    rows, sum
+        How many rows there are, and their check sum (CRC-32).
 
     Parameters
     ----------
@@ -55,47 +65,43 @@ class Part:
     Raises
     ------
     LtcgearError
-        If the file cannot be written, or does not hold the rows.
+        If the file does not hold the rows.
+    MachineError
+        If it cannot be written.
     """
 
-    goes_on, again = "--resume goes on", "simulate again without --resume"
-    """How one goes on where room was made, and what is to be done where the file is of no use."""
+    goes_on = "--resume goes on"
+    """How one goes on where room was made."""
 
     def __init__(self, target: Path, heading: "xr.Dataset", kept: int | None = None, along: str = "time") -> None:
         self.target, self.path, self.along = target, part_of(target), along
         if kept is None:
-            with self._writing(self.path):
-                _write_heading(self.path, heading, along)
-        self.record, found, self.begin = self._layout()
-        self.rows = kept or 0
-        if found < self.rows or set(self.record.names or ()) != set(_moving(heading, along)):
+            self._make(heading)
+        layout = read_part(self.path)
+        if layout.rows < (kept or 0) or set(layout.record.names or ()) != set(_moving(heading, along)):
             raise LtcgearError(
-                f"{self.path}: holds {found} samples where the checkpoint counts {self.rows}; {self.again}"
+                f"{self.path}: holds {layout.rows} samples where the checkpoint counts {kept}; {BEGIN_ANEW}"
             )
-        with self._writing(self.path):
-            self.file = self.path.open("r+b", buffering=0)
-            self._count(self.rows)
+        self.record, self.begin, self.identity = layout.record, layout.begin, layout.texts[IDENTITY]
+        self.rows, self.sum = kept or 0, 0
+        with self._told():
+            self.file = open_part(self.path, os.O_RDWR)
+        for records in self.blocks():
+            self.sum = zlib.crc32(records.view(np.uint8).data, self.sum)
+        self._count(self.rows)
 
-    @contextmanager
-    def _writing(self, path: Path) -> Iterator[None]:
-        """Say what cannot be written, and that the rows are not lost."""
-        try:
-            yield
-        except (OSError, RuntimeError) as error:
-            reason = getattr(error, "strerror", None) or error
-            raise LtcgearError(f"{path}: cannot be written: {reason}; make room, then {self.goes_on}") from error
+    def _told(self) -> Any:  # noqa: ANN401
+        """Say what keeps the file from being written, and that the rows are not lost."""
+        return told(self.path, retry=self.goes_on)
 
-    def _layout(self) -> tuple[np.dtype[np.void], int, int]:
-        """Return what a record is made of, in the file's order, how many there are, and where they begin [bytes]."""
-        import netCDF4
-
-        try:
-            with netCDF4.Dataset(self.path) as file:
-                moving = [v for v in file.variables.values() if v.dimensions[:1] == (self.along,)]
-                record = np.dtype([(v.name, v.dtype.newbyteorder(">"), v.shape[1:]) for v in moving])
-                return record, len(file.dimensions[self.along]), int(file.getncattr(BEGIN))
-        except (OSError, RuntimeError, KeyError, AttributeError) as error:
-            raise LtcgearError(f"{self.path}: cannot be read ({error}); {self.again}") from error
+    def _make(self, heading: "xr.Dataset") -> None:
+        """Write a part without any row; it appears whole or not at all."""
+        name = secrets.token_hex(16)
+        data = make_heading(heading.assign_attrs({IDENTITY: f"{name}:{NO_SUM}"}), self.along)
+        place = data.index(name.encode()) + len(name) + 1
+        found = f"{zlib.crc32(data):08x}".encode()
+        with written_whole(self.path) as draft:
+            draft.write_bytes(data[:place] + found + data[place + len(found) :])
 
     def __enter__(self) -> "Part":
         """Use the file."""
@@ -103,52 +109,82 @@ class Part:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         """Close it."""
-        self.file.close()
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        if self.file >= 0:
+            os.close(self.file)
+            self.file = -1
 
     def append(self, columns: Mapping[str, NDArray[Any]]) -> None:
         """Append rows, given by variable; once this returns they outlast the program."""
-        records = np.empty(len(columns[self.along]), self.record)
+        records = np.zeros(len(columns[self.along]), self.record)
         for name in self.record.names or ():
             records[name] = columns[name]
-        with self._writing(self.path):
-            self._put(self.begin + self.rows * self.record.itemsize, records.view(np.uint8).data)
-            self._count(self.rows + len(records))
+        self._sign(records)
+        data = records.view(np.uint8).data
+        with self._told():
+            self._put(self.begin + self.rows * self.record.itemsize, data)
+        self.sum = zlib.crc32(data, self.sum)
         self.rows += len(records)
+        self._count(self.rows)
+
+    def _sign(self, records: NDArray[np.void]) -> None:
+        """Put into rows what they tell of themselves."""
+
+    def sync(self) -> None:
+        """Wait until all rows are on the disk, where a power cut leaves them."""
+        with self._told():
+            os.fsync(self.file)
+
+    def remove(self) -> None:
+        """Delete the file."""
+        self.close()
+        self.path.unlink(missing_ok=True)
 
     def _count(self, rows: int) -> None:
         """Write how many rows there are."""
-        self._put(4, rows.to_bytes(4, "big"))
+        with self._told():
+            self._put(COUNT.start, rows.to_bytes(4, "big"))
 
     def _put(self, place: int, data: bytes | memoryview) -> None:
         """Write bytes at a place."""
-        self.file.seek(place)
-        left = memoryview(data)
+        left = memoryview(data).cast("B")
         while left:
-            left = left[self.file.write(left) :]
+            written = os.pwrite(self.file, left, place)
+            left, place = left[written:], place + written
 
     def seal(self, heading: "xr.Dataset") -> None:
         """Write the result; it appears whole or not at all.
 
         ``heading`` is the result without rows, with all that is known at the end.
+
+        Raises
+        ------
+        LtcgearError
+            If the rows are not those that were appended: something else has written to the file.
         """
         import netCDF4
 
-        draft = self.target.with_name(f".draft-{self.target.name}")
-        try:
-            with self._writing(self.target):
-                fixed = heading.drop_dims("time")
-                fixed.encoding = {}
-                summed = {name: {"fletcher32": True} for name, data in fixed.variables.items() if has_sum(data)}
-                fixed.to_netcdf(draft, engine="netcdf4", encoding=summed)
+        fixed = heading.drop_dims(self.along)
+        fixed.encoding = {}
+        with written_whole(self.target, self.goes_on) as draft:
+            begin(draft, heading, self.rows * self.record.itemsize)
+            fill(draft, fixed)
+            try:
                 with netCDF4.Dataset(draft, "a") as result:
-                    result.createDimension("time", self.rows)
-                    self._copy(heading, result)
-                draft.replace(self.target)
-        finally:
-            draft.unlink(missing_ok=True)
+                    result.createDimension(self.along, self.rows)
+                    found = self._copy(heading, result)
+            except RuntimeError as error:  # HDF5's own
+                raise OSError(str(error)) from error
+            if found != self.sum:
+                raise LtcgearError(
+                    f"{self.path}: was changed by something else while the run went on; delete it and simulate again"
+                )
 
-    def _copy(self, heading: "xr.Dataset", result: Any) -> None:  # noqa: ANN401
-        """Copy all rows, block by block."""
+    def _copy(self, heading: "xr.Dataset", result: Any) -> int:  # noqa: ANN401
+        """Copy all rows, block by block; return their check sum."""
         copies = {}
         result.set_fill_off()
         for name in self.record.names or ():
@@ -160,57 +196,58 @@ class Part:
             copied.setncatts(source.attrs)
             copied.set_auto_mask(False)
             copies[name] = copied
-        start = 0
-        for records in self._blocks():
+        start = found = 0
+        for records in self.blocks():
+            found = zlib.crc32(records.view(np.uint8).data, found)
             for name, copied in copies.items():
                 copied[start : start + len(records)] = records[name].astype(copied.dtype)
             start += len(records)
+        return found
 
-    def _blocks(self, start: int = 0) -> Iterator[NDArray[np.void]]:
-        """Yield the rows from a row on, as many as are copied at once."""
-        for first in range(start, self.rows, BLOCK):
+    def blocks(self) -> Iterator[NDArray[np.void]]:
+        """Yield the rows, as many as are copied at once."""
+        for first in range(0, self.rows, BLOCK):
             place, count = self.begin + first * self.record.itemsize, min(BLOCK, self.rows - first)
-            yield np.fromfile(self.path, self.record, count, offset=place)
+            data = os.pread(self.file, count * self.record.itemsize, place)
+            if len(data) < count * self.record.itemsize:
+                raise LtcgearError(f"{self.path}: is cut short; {BEGIN_ANEW}")
+            yield np.frombuffer(data, self.record)
+
+
+def open_part(path: Path, mode: int) -> int:
+    """Open a part, never through a link; return its handle."""
+    return os.open(path, mode | os.O_NOFOLLOW | os.O_CLOEXEC)
+
+
+def read_part(path: Path) -> Layout:
+    """Read the heading of a part, and check that it is whole.
+
+    Raises
+    ------
+    LtcgearError
+        If it cannot be read, is no part, or its heading is not the one that was written.
+    """
+    try:
+        handle = open_part(path, os.O_RDONLY | os.O_NONBLOCK)
+        with os.fdopen(handle, "rb") as file:
+            layout = read_layout(file, os.fstat(handle).st_size)
+            data = os.pread(handle, layout.begin, 0)
+        name, _, kept = layout.texts[IDENTITY].partition(":")
+        place = data.index(name.encode()) + len(name) + 1
+        plain = data[: COUNT.start] + bytes(4) + data[COUNT.stop : place] + NO_SUM.encode() + data[place + len(kept) :]
+    except (OSError, *BROKEN) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error) or type(error).__name__
+        raise LtcgearError(f"{path}: cannot be read as the part of a run ({reason}); {BEGIN_ANEW}") from error
+    if kept != f"{zlib.crc32(plain):08x}":
+        raise LtcgearError(f"{path}: its heading is damaged; {BEGIN_ANEW}")
+    return layout
+
+
+def check_part(target: Path) -> None:
+    """Refuse a part that cannot be made beside a result, before anything is computed."""
+    check_output(part_of(target))
 
 
 def _moving(heading: "xr.Dataset", along: str) -> list[str]:
     """Return the variables that change from row to row."""
     return [str(name) for name, variable in heading.variables.items() if along in variable.dims]
-
-
-def _write_heading(path: Path, heading: "xr.Dataset", along: str) -> None:
-    """Write a part without any row; it appears whole or not at all."""
-    one = heading.reindex({along: [MARK]}, fill_value=0)
-    kinds: dict[str, Any] = {"f": np.float64, "i": np.int32}
-    moving = {name: heading[name].dtype for name in _moving(heading, along) if name in heading.data_vars}
-    wide = {name: one[name].astype(kinds.get(dtype.kind, dtype)) for name, dtype in moving.items()}
-    one = one.assign(wide).assign_attrs({**heading.attrs, BEGIN: PLACE})
-    plain = {name: {"_FillValue": None} for name in heading.variables}
-    form: Any = {"engine": "netcdf4", "format": "NETCDF3_64BIT", "unlimited_dims": [along]}
-    draft = path.with_name(f".draft-{path.name}")
-    try:
-        one.to_netcdf(draft, encoding=plain, **form)
-        draft.write_bytes(_without_rows(draft, along))
-        draft.replace(path)
-    finally:
-        draft.unlink(missing_ok=True)
-
-
-def _without_rows(path: Path, along: str) -> bytes:
-    """Return a file of one record as one of none, which tells where its records begin: files may be padded."""
-    import netCDF4
-
-    with netCDF4.Dataset(path) as file:
-        sizes = [(v.name, v.dtype.itemsize * int(np.prod(v.shape[1:]))) for v in file.variables.values()
-                 if v.dimensions[:1] == (along,)]  # fmt: skip
-    before = sum(size for _, size in sizes[: [name for name, _ in sizes].index(along)])
-    whole = path.read_bytes()
-    marks = [np.array(value, ">f8").tobytes() for value in (PLACE, MARK)]
-    for mark in marks:
-        if whole.count(mark) != 1:
-            raise LtcgearError(
-                f"{path}: holds its mark {whole.count(mark)} times; change any number of the scene a little, "
-                "or leave out -o where there is one run"
-            )
-    begin = np.array(whole.index(marks[1]) - before, ">f8").tobytes()
-    return whole[:4] + bytes(4) + whole[8:].replace(marks[0], begin)

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from ltcgear.generated.text import write_out
+from ltcgear.generated.writing import written_whole
 
 from .analysis.lines import find_clues
 from .comparison import PRINTED_FORCE, named_lines, position_spectrum, published
-from .results import written_whole
 from .rounding import without_rounding
 from .statistics import group_of, mesh_frequencies, pressure_angles, steady_start, window
 
@@ -138,14 +139,29 @@ def make_canvas(width: float, height: float) -> Figure:
     return figure
 
 
-def save_figure(figure: Figure, path: Path) -> Path:
+def save_figure(figure: Figure, path: Path, dpi: float = 150) -> Path:
     """Write a figure; the suffix is the format. Text in SVG stays text, and equal figures give equal files."""
     from matplotlib import rc_context
 
+    write_plainly(figure)
     meta = {"Date": None} if path.suffix == ".svg" else {"CreationDate": None} if path.suffix == ".pdf" else {}
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": "ltcgear"}), written_whole(path) as draft:
-        figure.savefig(draft, dpi=150, metadata=meta)
+        figure.savefig(draft, dpi=dpi, metadata=meta)
     return path
+
+
+def write_plainly(figure: Figure) -> None:
+    """Read no text of a figure as mathematics but the numbers of its axes: a name or a title may hold any sign."""
+    from matplotlib.text import Text
+    from matplotlib.ticker import LogFormatter, ScalarFormatter
+
+    numbers: set[Text] = set()
+    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+        if isinstance(axis.get_major_formatter(), LogFormatter | ScalarFormatter):
+            numbers |= set(axis.findobj(Text)) - {axis.label}
+    for text in set(figure.findobj(Text)) - numbers:
+        text.set_parse_math(False)
+        text.set_text(write_out(text.get_text(), keep="\n"))
 
 
 def _draw_forces(axes: Axes, dataset: xr.Dataset, plan: _ForceFigure) -> bool:
@@ -167,7 +183,7 @@ def _draw_forces(axes: Axes, dataset: xr.Dataset, plan: _ForceFigure) -> bool:
     axes.axhline(_printed_mean(plan.group), color="black", ls="--", lw=1.2, label="printed mean")
     axes.set_title(f"{plan.title} (cf. Fig. {plan.number})", loc="left", fontsize=11)
     axes.set_xlabel(f"time after {steady['time'].values[0]:.3f} s [ms]")
-    axes.set_ylabel(f"{component} force [$10^5$ N]")
+    axes.set_ylabel(f"{component} force [10⁵ N]")
     axes.margins(x=0.0)
     finish_axes(axes)
     return True

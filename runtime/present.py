@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.markup import escape
 from rich.padding import Padding
 from rich.table import Table
 
 from .attributes import finite
+from .terminal import Terminal, paragraph, plain, say
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -29,11 +28,6 @@ def show(as_json: bool, data: Data, for_people: Callable[[Data], None]) -> None:
         print(json.dumps(finite(data), allow_nan=False))
     else:
         for_people(data)
-
-
-def _console() -> Console:
-    """Return the console; figures are not coloured by guess, long cells wrap."""
-    return Console(highlight=False)
 
 
 def _table(title: str, *columns: str) -> Table:
@@ -56,17 +50,17 @@ def scenes(data: Data) -> None:
     """Print the shipped scenes."""
     table = _table("Shipped scenes", "scene", "title")
     for item in data["scenes"]:
-        table.add_row(item["name"], escape(item["title"]))
-    _console().print(table)
+        table.add_row(item["name"], plain(item["title"]))
+    Terminal().print(table)
 
 
 def effects(data: Data) -> None:
     """Print the effects."""
     table = _table("Effects (the first value is the default)", "effect", "values", "what it does", "source")
     for item in data["effects"]:
-        does = "\n".join([item["help"], *_conditions(item)])
-        table.add_row(item["name"], _values(item), escape(does), item["source"])
-    _console().print(table)
+        does = "\n".join(map(plain, [item["help"], *_conditions(item)]))
+        table.add_row(item["name"], _values(item), does, item["source"])
+    Terminal().print(table)
 
 
 def _values(item: Data) -> str:
@@ -85,7 +79,7 @@ def _conditions(item: Data) -> Iterator[str]:
 
 def info(data: Data) -> None:
     """Print the description of a model."""
-    table = _table(escape(data["title"]), "", "")
+    table = _table(plain(data["title"]), "", "")
     table.add_row("degrees of freedom", str(data["dof"]))
     table.add_row("states", str(data["states"]))
     table.add_row("parameters", str(data["parameters"]))
@@ -93,7 +87,7 @@ def info(data: Data) -> None:
     table.add_row("operations", f"{data['ops']['rhs']} right-hand side, {data['ops']['jacobian']} Jacobian")
     table.add_row("Jacobian non-zeros", str(data["jacobian_nnz"]))
     table.add_row("effects", ", ".join(f"{k} {v}" for k, v in data["effects"].items()))
-    console = _console()
+    console = Terminal()
     parts = [table, *(made(data) for made in (_acting, _freedoms, _stages, _meshes, _members, _loads, _laws))]
     for part in parts:
         if part.row_count:
@@ -191,14 +185,14 @@ def _laws(data: Data) -> Table:
     return table
 
 
-def _sources(console: Console, sources: dict[str, str]) -> None:
+def _sources(console: Terminal, sources: dict[str, str]) -> None:
     """List where the numbers come from."""
     if not sources:
         console.print("no sources given")
         return
     listing = _table("Where the numbers come from", "number", "source")
     for key, source in sources.items():
-        listing.add_row(escape(key), escape(source))
+        listing.add_row(plain(key), plain(source))
     console.print(listing)
 
 
@@ -207,9 +201,9 @@ def checks(data: Data) -> None:
     table = _table("Checks of the equations", "check", "", ">value", ">tolerance")
     for item in data["checks"]:
         mark = "[green]ok[/]" if item["passed"] else "[bold red]FAILED[/]"
-        name = escape(item["name"]) + ("" if item["passed"] else f"\n{escape(item['note'])}")
+        name = plain(item["name"]) + ("" if item["passed"] else f"\n{plain(item['note'])}")
         table.add_row(name, mark, f"{item['value']:.2g}", f"{item['tolerance']:.2g}")
-    console = _console()
+    console = Terminal()
     console.print(table)
     failed = sum(not item["passed"] for item in data["checks"])
     console.print(f"{len(data['checks']) - failed} passed, {failed} failed; --json tells how each was done")
@@ -218,13 +212,13 @@ def checks(data: Data) -> None:
 def paper_verdicts(data: Data) -> None:
     """Print the verdicts on the printed equations: what was printed, what is right, and why."""
     colours = {"agrees": "green", "first-order": "yellow", "misprint": "red"}
-    console = _console()
+    console = Terminal()
     for item in data["equations"]:
         verdict = f"[{colours[item['verdict']]}]{item['verdict']}[/]"
-        console.print(f"[bold]eq {item['equation']}, {escape(item['row'])}[/]: {verdict}")
+        console.print(f"[bold]eq {item['equation']}, {plain(item['row'])}[/]: {verdict}")
         if item["verdict"] != "agrees":
             for label, key in (("printed", "printed"), ("right", "derived"), ("why", "why")):
-                console.print(Padding(f"{label}: {escape(item[key])}", (0, 0, 0, 4)))
+                console.print(Padding(f"{label}: {plain(item[key])}", (0, 0, 0, 4)))
     count = {name: sum(item["verdict"] == name for item in data["equations"]) for name in colours}
     console.print(", ".join(f"{number} {name}" for name, number in count.items()))
 
@@ -232,17 +226,17 @@ def paper_verdicts(data: Data) -> None:
 def generated(data: Data) -> None:
     """Print what was generated."""
     for file in data["files"]:
-        print(file)
-    print(data["library"] or "no library: CasADi's virtual machine")
-    print("operations: " + ", ".join(f"{name} {count}" for name, count in data["ops"].items()))
-    print("seconds: " + _seconds(data["seconds"]))
+        say(file)
+    say(data["library"] or "no library: CasADi's virtual machine")
+    say("operations: " + ", ".join(f"{name} {count}" for name, count in data["ops"].items()))
+    say("seconds: " + _seconds(data["seconds"]))
 
 
 def exported_fmu(data: Data) -> None:
     """Print what an FMU has."""
-    print(f"{data['file']}: FMI {data['fmi']} {data['kind']}, token {data['token']}")
-    print("variables: " + ", ".join(f"{count} {kind}s" for kind, count in data["variables"].items()))
-    print("inputs: " + (", ".join(data["inputs"]) or "none"))
+    say(f"{data['file']}: FMI {data['fmi']} {data['kind']}, token {data['token']}")
+    say("variables: " + ", ".join(f"{count} {kind}s" for kind, count in data["variables"].items()))
+    say("inputs: " + (", ".join(data["inputs"]) or "none"))
 
 
 def _seconds(seconds: dict[str, float]) -> str:
@@ -259,7 +253,7 @@ def pace(factor: float) -> str:
 
 def simulated(data: Data) -> None:
     """Print the summary of a simulation."""
-    console = _console()
+    console = Terminal()
     if data["forces"]:
         table = _table("Mesh forces, second half of the run", "mesh", ">mean N", ">min N", ">max N", ">load factor")
         for name, force in data["forces"].items():
@@ -268,7 +262,7 @@ def simulated(data: Data) -> None:
             table.add_row(name, *row, "-" if math.isnan(factor) else f"{factor:.3f}")
         console.print(table)
     for line in data["warnings"]:
-        console.print(f"[yellow]warning[/]: {escape(line)}")
+        console.print(f"[yellow]warning[/]: {plain(line)}")
     counts = data["counts"]
     expected = counts["expected_events"]
     by = ", as kinematics calls for" if expected == counts["events"] else f", not {expected}"
@@ -281,15 +275,15 @@ def simulated(data: Data) -> None:
         f"seconds: {_seconds(data['seconds'])}"
     )
     if data["why"]:
-        console.print(f"{data['method']}, since {data['why']}")
+        console.print(f"{data['method']}, since {plain(data['why'])}")
     console.print(_sampling(data))
     if "accuracy" in data:
-        console.print(escape(_accuracy(data["accuracy"])))
+        console.print(_accuracy(data["accuracy"]))
 
 
 def _sampling(data: Data) -> str:
     """Say how outputs were sampled."""
-    since = f", since {data['why_rate']}" if data["why_rate"] else ""
+    since = f", since {plain(data['why_rate'])}" if data["why_rate"] else ""
     band = f"band-limited to {data['band_hz']:.6g} Hz" if "band_hz" in data else "raw, not band-limited"
     return f"{data['rate_hz']:.6g} samples a second{since}; {band}"
 
@@ -297,7 +291,7 @@ def _sampling(data: Data) -> str:
 def _accuracy(data: Data) -> str:
     """Write the estimate of accuracy, that of the worst mesh."""
     if data["reason"]:
-        return f"accuracy of mesh forces not estimated: {data['reason']}"
+        return f"accuracy of mesh forces not estimated: {plain(data['reason'])}"
     error = data["meshes"][data["worst"]]
     numbers = {key: _number(value, ".1e") for key, value in error.items()}
     parts = [
@@ -306,9 +300,9 @@ def _accuracy(data: Data) -> str:
     ]
     told = {name: max((mesh[name] or 0.0 for mesh in data["meshes"].values()), default=0.0) for name in STATISTICS}
     means = ", ".join(f"{name.replace('_', ' ')} {_number(value, '.1e')}" for name, value in told.items())
+    worst = f"{plain(data['worst'])}, the worst; first {data['window_s']:.3g} s"
     return (
-        f"mesh forces are off by {', '.join(parts)} ({data['worst']}, the worst; first {data['window_s']:.3g} s)\n"
-        f"their statistics, over their size, by at most: {means}"
+        f"mesh forces are off by {', '.join(parts)} ({worst})\ntheir statistics, over their size, by at most: {means}"
     )
 
 
@@ -326,11 +320,11 @@ def costs(data: Data) -> None:
         counts = [item["counts"].get(key) for key in ("steps", "events")]
         cost.add_row(name, *(_number(n, "d") for n in numbers), *times, *(_number(n, "d") for n in counts))
         change.add_row(name, *(_change(value) for value in item["changes"].values()))
-    console = _console()
+    console = Terminal()
     console.print(cost, "", change)
     for item in data["variants"]:
         if item["reason"]:
-            console.print(f"[yellow]{item['effect']} = {item['without']}[/] did not run: {escape(item['reason'])}")
+            console.print(f"[yellow]{item['effect']} = {item['without']}[/] did not run: {paragraph(item['reason'])}")
 
 
 def _change(value: float | None) -> str:
@@ -340,29 +334,29 @@ def _change(value: float | None) -> str:
 
 def listed(tables: "list[ResultTable]", files: "list[Path]") -> None:
     """Print tables, and the files that were written."""
-    console = _console()
+    console = Terminal()
     for table in tables:
         table.print(console)
         console.print()
     for file in files:
-        print(f"wrote {file}")
+        say(f"wrote {file}")
 
 
 def paper_run(data: Data, tables: dict[str, "ResultTable"]) -> None:
     """Print the paper's tables beside the simulated ones, and where the figures are."""
-    console = _console()
+    console = Terminal()
     for table in tables.values():
         table.print(console)
     simulated(data | {"forces": {}})
     for file in data["files"]:
-        print(f"wrote {file}")
+        say(f"wrote {file}")
 
 
 def analysed(data: Data, tables: "list[ResultTable]", files: "list[Path]") -> None:
     """Print what a result shows, and what is to be said about it."""
-    console = _console()
-    scene = escape(str(data["scene"] or "no scene"))
-    console.print(f"{escape(data['file'])}: {scene}, {data['from_s']:.4g} to {data['to_s']:.4g} s")
+    console = Terminal()
+    scene = plain(str(data["scene"] or "no scene"))
+    console.print(f"{plain(data['file'])}: {scene}, {data['from_s']:.4g} to {data['to_s']:.4g} s")
     for note in data["notes"]:
-        console.print(f"[yellow]note[/]: {escape(note)}")
+        console.print(f"[yellow]note[/]: {plain(note)}")
     listed(tables, files)

@@ -3,14 +3,13 @@
 from typing import Any
 
 from .tables import Table
+from .terminal import Terminal
 
 Data = dict[str, Any]
 
 
 def book(data: Data) -> None:
     """Print what a book holds."""
-    from rich.console import Console
-
     rows = tuple((item["title"], len(item["sections"]), item["equations"]) for item in data["chapters"])
     checks, paper = data["checks"], data["paper"]
     told = ", ".join(f"{count} {verdict}" for verdict, count in paper.items())
@@ -20,4 +19,4 @@ def book(data: Data) -> None:
         f"{data['file']}, {data['bytes'] / 1e3:.0f} kB; key {data['key']}",
     )
     title = f"Equation book of {data['scene']}: {data['equations']} equations"
-    Console(highlight=False).print(Table(title, ("chapter", "sections", "equations"), rows, notes))
+    Terminal().print(Table(title, ("chapter", "sections", "equations"), rows, notes))

@@ -3,12 +3,11 @@
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from .ends import label
 from .linear.naming import sum_by
+from .terminal import Terminal, plain, say
 
 Data = dict[str, Any]
 MOST = 2
@@ -25,12 +24,12 @@ def modes(data: Data) -> None:
         table.add_column(heading, overflow="fold")
     for k, item in enumerate(data["modes"], start=1):
         table.add_row(*_row(k, item))
-    console = Console(highlight=False)
+    console = Terminal()
     console.print(table)
     if data["lowest"] and len(data["modes"]) < data["freedoms"]:
         console.print(f"the lowest {len(data['modes'])} of {data['freedoms']} freedoms' modes; --count N lists more")
     for file in data.get("files", []):
-        print(f"wrote {file}")
+        say(f"wrote {file}")
 
 
 def _row(k: int, item: Data) -> tuple[str, ...]:
@@ -40,8 +39,8 @@ def _row(k: int, item: Data) -> tuple[str, ...]:
         f"{item['frequency_hz']:.2f}",
         f"{round(item['damping_ratio'], 4) + 0.0:.2%}",
         item["class"] + (f" x{item['multiplicity']}" if item["multiplicity"] > 1 else ""),
-        escape(item["name"]),
-        escape(_largest(sum_by(item["members"], label))),
+        plain(item["name"]),
+        plain(_largest(sum_by(item["members"], label))),
     )
 
 

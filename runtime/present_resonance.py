@@ -1,8 +1,7 @@
 """What the commands of resonance print for people."""
 
-from rich.markup import escape
-
-from .present import Data, _console, _table
+from .present import Data, _table
+from .terminal import Terminal, plain
 from .ties import order_by_size
 
 SHOWN = 20
@@ -25,10 +24,10 @@ def campbell(data: Data) -> None:
     for item in found[:SHOWN]:
         mode = modes[item["modes"][0]]
         table.add_row(
-            escape(item["crossing"]), f"{item['at']:.4g}", f"{item['frequency_hz']:.1f}", f"{item['margin']:+.0%}",
-            _number(item["force_per_um"], "undamped"), _number(item["force"], "-"), mode["class"], escape(mode["name"]),
+            plain(item["crossing"]), f"{item['at']:.4g}", f"{item['frequency_hz']:.1f}", f"{item['margin']:+.0%}",
+            _number(item["force_per_um"], "undamped"), _number(item["force"], "-"), mode["class"], plain(mode["name"]),
         )  # fmt: skip
-    console = _console()
+    console = Terminal()
     console.print(table)
     if not data["orders"]:
         console.print("No gear that turns has teeth, so there are no orders; give teeth in place of base_radius.")
@@ -57,9 +56,9 @@ def response(data: Data) -> None:
             table.add_row(
                 f"{quantity} {output['item']}", _amplitude(peak, 1e-6 if micro else 1.0),
                 output["unit"].split("/")[0], f"{peak['frequency_hz']:.2f}", str(peak["mode"] or ""), mode["class"],
-                escape(mode["name"]),
+                plain(mode["name"]),
             )  # fmt: skip
-    _console().print(table)
+    Terminal().print(table)
 
 
 def _amplitude(peak: Data, scale: float) -> str:

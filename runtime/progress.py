@@ -6,6 +6,8 @@ from contextlib import contextmanager
 from time import perf_counter
 from typing import Protocol
 
+from ltcgear.generated.text import write_out
+
 
 class Told(Protocol):
     """To be called with what is reached, and a note that is shown beside it."""
@@ -35,25 +37,26 @@ def progress(title: str, end: float, unit: str = "s") -> Iterator[Told]:
     if not sys.stderr.isatty():
         yield lambda now, note="": None
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    from .terminal import Terminal
 
     timed = unit == "s"
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TextColumn(
             "{task.completed:.3f}/{task.total:.3f} s" if timed else "{task.completed:.0f}/{task.total:.0f} " + unit
         ),
-        TextColumn("{task.fields[speed]}"),
+        TextColumn("{task.fields[speed]}", markup=False),
         TimeRemainingColumn(),
     )
     start = perf_counter()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=end, speed="")
+    with Progress(*columns, console=Terminal(stderr=True), transient=True) as bar:
+        task = bar.add_task(write_out(title), total=end, speed="")
 
         def told(now: float, note: str = "") -> None:
-            speed = f"{now / max(perf_counter() - start, 1e-9):.2f} s simulated a second" if timed else note
+            speed = f"{now / max(perf_counter() - start, 1e-9):.2f} s simulated a second" if timed else write_out(note)
             bar.update(task, completed=now, speed=speed)
 
         yield told

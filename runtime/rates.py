@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .band import BAND
+from .blas import SingleThreaded
 from .choice import excited_modes
 from .clocks import Clocks
 from .equilibrium import Equilibrium, find_equilibrium
@@ -37,6 +38,7 @@ class Rate:
     why: str | None
 
 
+@SingleThreaded()
 def choose_rate(library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None = None) -> Rate:
     """Choose a sampling rate whose band holds the modes that are set going and the first harmonics of all meshes.
 
@@ -91,11 +93,16 @@ def mesh_frequency(library: Library, at: Equilibrium, p: Vector, tables: Mapping
 
     Parameters are those of ``choose_rate``.
     """
-    clocks, names = Clocks(library.manifest, p), [state.name for state in library.manifest.states]
+    advance = [abs(float(course.advance)) for course in Clocks(library.manifest, p).by_mesh.values()]
+    return reference_speed(library, at, p, tables) * max(advance, default=0.0) / (2 * pi)
+
+
+def reference_speed(library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None = None) -> float:
+    """Return the highest speed of the reference that is given, held, over time or at the start [rad/s]."""
+    names = [state.name for state in library.manifest.states]
     number = dict(zip((name for name, _ in library.manifest.parameters), p.tolist(), strict=True))
     speeds = [number[name] for name in ("reference.speed",) if library.manifest.reference == "speed" and name in number]
     speeds += [float(at.x[names.index(name)]) for name in ("reference.speed",) if name in names]
     given = [signal.table for signal in library.manifest.signals if signal.name == "reference.speed"]
-    speeds += [abs(value) for table in given for _, value in (tables or {})[table]]
-    advance = [abs(float(course.advance)) for course in clocks.by_mesh.values()]
-    return max(map(abs, speeds), default=0.0) * max(advance, default=0.0) / (2 * pi)
+    speeds += [value for table in given for _, value in (tables or {})[table]]
+    return max(map(abs, speeds), default=0.0)

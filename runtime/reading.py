@@ -1,6 +1,6 @@
 """Reading: samples and points of an integration -> outputs through the band's filter, and their statistics."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -16,6 +16,7 @@ from .library import Library
 from .march import Snapshot
 from .quantities import PHASES
 from .sampling import Block, Points
+from .teeth import Teeth
 
 Vector = NDArray[np.float64]
 
@@ -104,6 +105,8 @@ class Reader:
         self.instant = [i for i, report in enumerate(library.manifest.reports) if report.quantity in INSTANT]
         self.held = no_rows(library)
         self.start: Vector | None = None
+        self.teeth = Teeth(library, p)
+        self.deepest = np.zeros(len(self.teeth.meshes))
 
     @cached_property
     def filter(self) -> BandFilter:
@@ -148,6 +151,7 @@ class Reader:
         if not len(points.time):
             return
         values = _outputs(self.batch, self.clocks, points)
+        self.deepest = np.fmax(self.deepest, self.teeth.deepest(values))
         values -= self._start
         self.averages.take(points.time, points.weight, values)
         if not self.raw:
@@ -178,7 +182,7 @@ class Reader:
             return {}
         kept: Snapshot = {f"held.{name}": value for name, value in vars(self.held).items()}
         kept |= {"reader.taken": np.array(self.taken), "reader.start": self.start, "reader.last": self.last}
-        kept["reader.sums"] = self.averages.sums
+        kept |= {"reader.sums": self.averages.sums, "reader.deepest": self.deepest}
         return kept if self.raw else kept | {f"filter.{name}": value for name, value in self.filter.snapshot().items()}
 
     def restore(self, kept: Snapshot) -> None:
@@ -188,9 +192,15 @@ class Reader:
         known: Any = kept
         self.taken, self.start, self.last = int(known["reader.taken"]), known["reader.start"], known["reader.last"]
         self.held = Rows(**_under("held.", known))
-        self.averages.sums = known["reader.sums"].copy()
+        self.averages.sums, self.deepest = known["reader.sums"].copy(), known["reader.deepest"]
         if not self.raw:
             self.filter.restore(_under("filter.", known))
+
+
+def judge(reader: Reader, outcome: Outcome) -> Outcome:
+    """Return an outcome whose status says so where a deflection went beyond a tooth."""
+    wrong = reader.teeth.impossible(reader.deepest)
+    return replace(outcome, status=f"{wrong}: not to be used") if wrong and outcome.status == "done" else outcome
 
 
 def _under(head: str, kept: dict[str, Any]) -> dict[str, Any]:

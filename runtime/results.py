@@ -1,9 +1,6 @@
 """Result: a simulation's data under the names that engineers use, and its file."""
 
-import os
-import tempfile
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -12,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from .attributes import UNFINISHED, read_summary
+from .attributes import read_summary
 from .form import FORM, find_fault
+from .netcdf import save
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +21,8 @@ GROUPS = ("mesh", "pin", "bearing", "coupling", "support", "rotor", "member", "l
 OWN = ("dataset", "summary", "parameters", "statistics")
 """What a Result has besides."""
 ANGLE = "angle"
+RESULT, SWEEP, OTHER = "a result", "a sweep", "something else"
+"""What a NetCDF file holds."""
 
 
 class Item:
@@ -157,73 +157,6 @@ class Result:
         save(self.dataset, Path(path))
 
 
-def check_target(path: Path, source: Path | None = None) -> None:
-    """Refuse a result path that cannot be written, before anything is computed, or that is the file which is read."""
-    if source is not None and path.exists() and source.exists() and path.samefile(source):
-        raise LtcgearError(f"{path}: is the file that is read; give another name")
-    folder = path.resolve().parent
-    if not folder.is_dir():
-        raise LtcgearError(f"{path}: the folder {folder} does not exist; make it first")
-    if path.is_dir():
-        raise LtcgearError(f"{path}: is a folder; give a file name")
-    try:
-        tempfile.TemporaryFile(dir=folder).close()
-    except OSError as error:
-        raise LtcgearError(f"{path}: the folder {folder} cannot be written: {error.strerror}") from error
-
-
-def make_folder(path: Path) -> None:
-    """Make a folder for results."""
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise LtcgearError(f"{path}: cannot be made: {error.strerror}; give another folder") from error
-
-
-@contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
-    """Give a draft to write to, which takes the place of a file once it is whole; the file appears whole or not at all.
-
-    Raises
-    ------
-    LtcgearError
-        If the folder is missing or cannot be written.
-    """
-    check_target(path)
-    handle, name = tempfile.mkstemp(dir=path.resolve().parent, prefix=".draft-", suffix=path.suffix)
-    os.close(handle)
-    draft = Path(name)
-    try:
-        yield draft
-        draft.chmod(0o644)
-        draft.replace(path)
-    except OSError as error:
-        raise LtcgearError(f"{path}: cannot be written: {error.strerror or error}") from error
-    finally:
-        draft.unlink(missing_ok=True)
-
-
-def save(dataset: "xr.Dataset", path: Path) -> None:
-    """Write a NetCDF4 file; it appears whole or not at all.
-
-    Raises
-    ------
-    LtcgearError
-        If the folder is missing or cannot be written.
-    """
-    summed = {name: {"fletcher32": True} for name, data in dataset.variables.items() if has_sum(data)}
-    with written_whole(path) as draft:
-        try:
-            dataset.to_netcdf(draft, engine="netcdf4", encoding=summed)
-        except RuntimeError as error:  # HDF5's own, where there is no room
-            raise OSError(str(error)) from error
-
-
-def has_sum(data: "xr.Variable") -> bool:
-    """Say whether a variable gets a check sum (Fletcher's), so that damage of it is seen when it is read."""
-    return data.ndim > 0 and data.size > 0 and data.dtype.kind in "fiu"
-
-
 def load(path: str | Path) -> Result:
     """Read a result file into memory.
 
@@ -246,6 +179,20 @@ def load(path: str | Path) -> Result:
     return Result(dataset, read_summary(dataset.attrs))
 
 
+def tell_kind(path: Path) -> str:
+    """Say what a NetCDF file holds: ``RESULT``, ``SWEEP``, ``OTHER``; "" where none is there or it is empty."""
+    import xarray as xr
+
+    if not path.is_file() or not path.stat().st_size:
+        return ""
+    try:
+        with xr.open_dataset(path, engine="netcdf4", decode_cf=False) as opened:
+            attributes = dict(opened.attrs)
+    except Exception:  # damaged files raise whatever the libraries stumble over
+        return OTHER
+    return SWEEP if "sweep_format" in attributes else RESULT if "ltcgear" in attributes else OTHER
+
+
 def _check_form(path: Path, dataset: "xr.Dataset") -> None:
     """Refuse a file that is no result, or one of another form."""
     if "sweep_format" in dataset.attrs:
@@ -253,8 +200,6 @@ def _check_form(path: Path, dataset: "xr.Dataset") -> None:
     version, form = dataset.attrs.get("ltcgear"), dataset.attrs.get("result_format", 0)
     if version is None:
         raise LtcgearError(f"{path}: not a result of ltcgear; give a file that `ltcgear simulate -o` wrote")
-    if str(dataset.attrs.get("status", "")).startswith(UNFINISHED):
-        raise LtcgearError(f"{path}: the part of a run that is not finished; --resume goes on with it")
     if not isinstance(form, (int, np.integer)):
         raise LtcgearError(f"{path}: damaged: attribute result_format is no whole number; simulate again")
     if form != FORM:

@@ -4,11 +4,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from ltcgear.generated.contract import Signal
-from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
+from .values import Pairs as Pairs  # the type of tables, told here for all who take them
+from .values import read_tables
+
 Vector = NDArray[np.float64]
-Pairs = Sequence[tuple[float, float]]
 
 
 class Signals:
@@ -27,14 +28,12 @@ class Signals:
     Raises
     ------
     LtcgearError
-        If a table is missing.
+        If a table is missing or unknown, or is not rows of finite numbers with ascending times.
     """
 
     def __init__(self, signals: Sequence[Signal], tables: Mapping[str, Pairs]) -> None:
-        missing = sorted({signal.table for signal in signals} - set(tables))
-        if missing:
-            raise LtcgearError(f"tables: {', '.join(missing)} missing; give the model's tables (model.tables)")
-        self.tables = [insert_zeros(np.array(tables[signal.table], dtype=np.float64)) for signal in signals]
+        rows = read_tables((signal.table for signal in signals), tables)
+        self.tables = [insert_zeros(rows[signal.table]) for signal in signals]
         self.sloping = [signal.slope for signal in signals]
         self.knots = np.unique(np.concatenate([np.zeros(0), *(time for time, _ in self.tables)]))
 

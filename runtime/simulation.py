@@ -1,11 +1,11 @@
 """The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
 
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from .accuracy import estimate_accuracy
@@ -18,14 +18,17 @@ from .equilibrium import Equilibrium, Vector, find_equilibrium
 from .integration import Integration, Outcome, check_length
 from .kernel import Kernel
 from .library import Library
+from .machines import past_breakdown
 from .rates import Rate, choose_rate
-from .reading import Reader, Rows, by_quantity, join_rows, motion_statistics
+from .reading import Reader, Rows, by_quantity, join_rows, judge, motion_statistics
 from .results import Result
+from .room import check_size
 from .rounding import round_statistics
 from .scaling import LOADED
 from .signals import Pairs
 from .statistics import mesh_statistics
 from .stepper import check_method
+from .values import is_number
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,26 +41,21 @@ WRONG = 1e-2
 """Energy missing over the strain energy from which a run is warned about."""
 
 
-def check_options(method: str, rtol: float, t_end: float | None = None) -> None:
+def check_options(method: str, rtol: float, t_end: float | None = None, rate: float | None = None) -> None:
     """Refuse options that no integrator can serve, before anything is computed."""
     if method != AUTO:
         check_method(method)
-    if not 1e-13 <= rtol <= 0.1:
-        raise LtcgearError(f"rtol {rtol:g}: must lie between 1e-13 and 0.1")
-    if t_end is not None and not 0 < t_end < 1e7:
-        raise LtcgearError(f"t_end {t_end:g}: must be a time in seconds, greater than zero and below 1e7")
+    if not (is_number(rtol) and 1e-13 <= rtol <= 0.1):
+        raise LtcgearError(f"rtol {_told(rtol)}: must lie between 1e-13 and 0.1")
+    if t_end is not None and not (is_number(t_end) and 0 < t_end < 1e7):
+        raise LtcgearError(f"t_end {_told(t_end)}: must be a time in seconds, greater than zero and below 1e7")
+    if rate is not None and not (is_number(rate) and 0 < rate < np.inf):
+        raise LtcgearError(f"rate {_told(rate)}: must be a number of samples a second, greater than zero")
 
 
-def check_size(library: Library, samples: float) -> None:
-    """Refuse a run of more than the memory holds."""
-    manifest = library.manifest
-    need = samples * 8 * sum(map(len, (manifest.states, manifest.levels, manifest.signals, manifest.reports)))
-    have = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    if need > 0.8 * have:
-        raise LtcgearError(
-            f"the run would take {need / 1e9:.0f} GB of {have / 1e9:.0f} GB memory; lower t_end or rate, or write it "
-            "to a file (simulate -o FILE.nc, or record)"
-        )
+def _told(value: object) -> str:
+    """Return an option as its message tells it."""
+    return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else f"{value!r:.60}"
 
 
 def simulate(
@@ -73,6 +71,7 @@ def simulate(
     told: Callable[[float], None] = lambda t: None,
     tables: Mapping[str, Pairs] | None = None,
     verify: bool = False,
+    long: bool = False,
 ) -> Result:
     """Simulate from the loaded equilibrium, and keep all samples in memory (``record`` writes them to a file).
 
@@ -98,15 +97,19 @@ def simulate(
         Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
     verify
         Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
+    long
+        Begin a run too that is reckoned to take more than about an hour (``guard``); else it is refused.
 
     Raises
     ------
     SolverError
         If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
+    LtcgearError
+        If a name, a number or an option is none that the model or the method can take.
     """
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, rate)
     p = library.parameters(values)
-    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables)
+    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables, long=long)
     run.follow(told)
     dataset, summary = run.conclude()
     if verify:
@@ -135,12 +138,12 @@ class Run:
 
     def __init__(
         self, library: Library, p: Vector, *, t_end: float, rate: float | None, method: str, rtol: float, raw: bool,
-        tables: Mapping[str, Pairs] | None,
+        tables: Mapping[str, Pairs] | None, long: bool = False,
     ) -> None:  # fmt: skip
         self.library, self.p, clock = library, p, perf_counter()
         self.at = find_equilibrium(library, p, tables=tables)
         self.seconds = {"equilibrium": perf_counter() - clock}
-        choice = choose(library, self.at, p, rtol) if method == AUTO else Choice(method, None)
+        choice = choose(library, self.at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
         sampling = take_rate(library, self.at, p, t_end, rate, tables)
         check_size(library, t_end * sampling.rate)
         self.about = list_settings(library, choice, rtol, sampling, raw)
@@ -148,7 +151,8 @@ class Run:
             "t_end": t_end, "rate": sampling.rate, "method": choice.method, "rtol": rtol, "tables": tables,
         }  # fmt: skip
         self.reader, self.rows = Reader(library, p, sampling.rate, t_end, raw), list[Rows]()
-        self.integration = Integration(library, p, self.at, passing=passing_speed(sampling.rate, raw), **self.settings)
+        passing = passing_speed(sampling.rate, raw)
+        self.integration = Integration(library, p, self.at, passing=passing, long=long, **self.settings)
 
     def follow(self, told: Callable[[float], None]) -> None:
         """Integrate, and read the outputs."""
@@ -156,12 +160,13 @@ class Run:
 
     def conclude(self) -> tuple["xr.Dataset", dict[str, Any]]:
         """Return the data and the summary."""
-        outcome, clock = self.integration.conclude(), perf_counter()
+        outcome, clock = judge(self.reader, self.integration.conclude()), perf_counter()
         rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
+        self.rows.clear()  # lest they take their room beside the quantities
         dataset = make_dataset(self.library, self.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
         forces = tell_forces(dataset, static_strain(self.library, self.p, self.at))
-        about = summarise(self.library, self.p, self.at, outcome, forces)
+        about = summarise(self.library, self.p, self.at, outcome, forces, self.reader)
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
 
@@ -214,11 +219,13 @@ def static_strain(library: Library, p: Vector, at: Equilibrium) -> float:
 
 
 def summarise(
-    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any]
+    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any], reader: Reader
 ) -> dict[str, Any]:
     """Return how an integration went, what it is worth, and the forces it found."""
     strain = static_strain(library, p, at)
     residual = energy_residual(library, p, at, outcome)
+    told = [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())]
+    told += [*reader.teeth.strained(reader.deepest), *past_breakdown(library, *outcome.last)]
     return {
         "status": outcome.status,
         "simulated_s": outcome.end,
@@ -227,7 +234,7 @@ def summarise(
         "energy_residual": residual,
         "static_strain_j": strain,
         "forces": forces,
-        "warnings": [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())],
+        "warnings": told,
     }
 
 

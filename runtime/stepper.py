@@ -8,12 +8,10 @@ part of the compiled march (``native/erk.c``).
 
 import ctypes
 import re
-import tempfile
 from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import partial
 from importlib.util import find_spec
-from pathlib import Path
 from typing import Any, Protocol
 
 import casadi as ca
@@ -234,12 +232,9 @@ def whole_c(library: Library, method: str, nodes: Vector) -> str:
     """
     problem = scaled_problem(library, library.graphs, ca.SX)
     function = ca.integrator("segment", method, problem, 0, nodes.tolist(), {"max_num_steps": MOST_STEPS})
-    with tempfile.TemporaryDirectory() as folder:
-        # CasADi takes the file's stem as a prefix, so the folder must come as a prefix argument.
-        generator = ca.CodeGenerator("segment.c", {"casadi_int": "long long int"})
-        generator.add(function)
-        generator.generate(folder + "/")
-        text = Path(folder, "segment.c").read_text("utf-8")
+    generator = ca.CodeGenerator("segment.c", {"casadi_int": "long long int"})
+    generator.add(function)
+    text = str(generator.dump())
     changes = (
         (r"  p\.abstol = [^;]*;", "  p.abstol = arg[2][1];"),
         (r"  p\.reltol = [^;]*;", "  p.reltol = arg[2][1];"),

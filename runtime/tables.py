@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+from ltcgear.generated.text import write_out
+from ltcgear.generated.writing import write_rows
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -72,11 +74,7 @@ class Table:
 
     def write_csv(self, path: Path) -> Path:
         """Write headings and rows as a CSV file, numbers at full precision, nothing for an empty cell."""
-        with path.open("w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file)
-            writer.writerow(self.columns)
-            writer.writerows([_plain(cell) for cell in row] for row in self.rows)
-        return path
+        return write_rows([self.columns, *([_plain(cell) for cell in row] for row in self.rows)], path)
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         from rich.box import SIMPLE_HEAD
@@ -86,7 +84,7 @@ class Table:
         # Text throughout: rich would read "[Hz]" in a plain string as markup.
         broken = [any("\n" in str(row[place]) for row in self.rows) for place in range(len(self.columns))]
         table = RichTable(
-            title=Text(self.title),
+            title=Text(write_out(self.title)),
             title_justify="left",
             box=SIMPLE_HEAD,
             show_edge=False,
@@ -100,7 +98,7 @@ class Table:
             # Where room is short numbers keep theirs, below headings that break; of words, long ones give way.
             short = max([widths[place], *map(len, heading.split())])
             table.add_column(
-                Text(heading),
+                Text(write_out(heading)),
                 justify="right" if numeric else "left",
                 width=short if numeric and whole > options.max_width else None,
                 no_wrap=not numeric and (place == 0 or broken[place] or short <= KEPT),
@@ -109,7 +107,7 @@ class Table:
         for row in self.rows:
             table.add_row(*(Text(_shown(cell)) for cell in row))
         yield table
-        yield from (Text(f"- {note}") for note in self.notes)
+        yield from (Text(write_out(f"- {note}", keep="\n")) for note in self.notes)
 
     def _width(self, place: int) -> int:
         """Width of a column's widest line, its heading left out."""
@@ -117,9 +115,9 @@ class Table:
 
     def print(self, console: Console | None = None) -> None:
         """Print to a console, by default standard output."""
-        from rich.console import Console
+        from .terminal import Terminal
 
-        (console or Console()).print(self)
+        (console or Terminal()).print(self)
 
 
 def _plain(cell: Cell) -> Cell:
@@ -132,7 +130,7 @@ def _shown(cell: Cell) -> str:
     if cell is None or (isinstance(cell, float) and math.isnan(cell)):
         return "-"
     if not isinstance(cell, float):
-        return str(cell)
+        return write_out(str(cell), keep="\n")
     size = abs(cell)
     if size >= 1e5:
         return f"{cell:.4e}"

@@ -3,8 +3,9 @@
 from copy import deepcopy
 from typing import Any
 
-from .scene import Raw, make_scene
+from .scene import make_scene
 from .schema import Scene
+from .toml import Raw
 
 
 class SceneBuilder:

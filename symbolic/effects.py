@@ -239,5 +239,11 @@ def contradictions(chosen: Mapping[str, str]) -> Iterator[str]:
         value = chosen[effect.name]
         for exclusion in effect.excludes.get(value, ()):
             if chosen[exclusion.effect] in exclusion.values:
-                other = f"{exclusion.effect} = {chosen[exclusion.effect]!r}"
-                yield f".{effect.name}: {value!r} and {other} contradict each other: {exclusion.reason}"
+                beside = f"{exclusion.effect} = {chosen[exclusion.effect]!r}"
+                cure = f"give {_other(effect, (value,))}, or {_other(BY_NAME[exclusion.effect], exclusion.values)}"
+                yield f".{effect.name}: {value!r} and {beside} contradict each other: {exclusion.reason}; {cure}"
+
+
+def _other(effect: Effect, excluded: tuple[str, ...]) -> str:
+    """Write an effect with the values that it may have instead."""
+    return f"{effect.name} = " + " or ".join(f'"{value}"' for value in effect.values if value not in excluded)

@@ -42,7 +42,7 @@ class TransmissionError(Table):
     """
 
     amplitudes: Annotated[list[Bore], Field(max_length=MOST_HARMONICS)] = []
-    phases: list[Angle] = []
+    phases: Annotated[list[Angle], Field(max_length=MOST_HARMONICS)] = []
     table: Annotated[Pairs, Series("", "m")] | None = None
 
     def faults(self) -> Iterator[str]:

@@ -106,6 +106,11 @@ def least_value(series: tuple[float, ...]) -> float:
     return float(series_values(series, np.linspace(0.0, 1.0, 2000)).min())
 
 
+def lawful_counts(series: Sequence[float]) -> list[int]:
+    """Return how many harmonics of a series, 1 to all of them, may be kept so that it stays above zero."""
+    return [n for n in range(1, len(series) // 2 + 1) if least_value(tuple(series[: 1 + 2 * n])) > 0]
+
+
 def _curve(
     stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int, backwards: bool
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

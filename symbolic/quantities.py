@@ -4,25 +4,32 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetCoreSchemaHandler, model_validator
 from pydantic_core import core_schema
 
 from . import units
+from .ranges import MODULE, RANGES, check_range
 from .series import Pairs, Series
+
+JOINERS = "\u200c\u200d"
+"""Marks between letters that some scripts need."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Marks a float field that is written as text with a unit and kept in SI."""
+    """Marks a float field that is written as text with a unit and kept in SI.
+
+    ``bounds`` are those of its unit where there are none of its own.
+    """
 
     unit: str
     positive: bool = False
+    bounds: tuple[float, float] | None = None
 
     def read(self, value: object) -> float:
         """Convert the text of a scene."""
         number = units.parse(value, self.unit)
-        if self.positive and number <= 0:
-            raise ValueError(f"{value!r} must be greater than zero")
+        check_range(number, self.unit, f"{value!r:.60}", self.bounds or RANGES[self.unit], self.positive)
         return number
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
@@ -31,7 +38,22 @@ class Quantity:
         return core_schema.no_info_before_validator_function(self.read, core_schema.float_schema(), serialization=write)
 
 
+def check_line(text: str) -> str:
+    """Return a text that is one line of characters which a terminal shows, and obeys none of.
+
+    Raises
+    ------
+    ValueError
+        If it holds a line break, a tab, an escape, a mark that turns the direction of writing or the like.
+    """
+    bad = next((c for c in text if not c.isprintable() and c not in JOINERS), None)
+    if bad is not None:
+        raise ValueError(f"holds {bad!r}, which is no character of a line of text; leave it out")
+    return text
+
+
 Length = Annotated[float, Quantity("m", positive=True)]
+Module = Annotated[float, Quantity("m", positive=True, bounds=MODULE)]
 Bore = Annotated[float, Quantity("m")]
 Angle = Annotated[float, Quantity("rad")]
 Mass = Annotated[float, Quantity("kg", positive=True)]
@@ -55,6 +77,8 @@ Force = Annotated[float, Quantity("N", positive=True)]
 Acceleration = Annotated[float, Quantity("m/s^2")]
 Velocity = Annotated[float, Quantity("m/s", positive=True)]
 Ratio = Annotated[float, Field(gt=0, lt=1)]
+Line = Annotated[str, AfterValidator(check_line)]
+Title = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(check_line)]
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
 from typing import Annotated, Literal
 
+from ltcgear.generated.contract import MOST_SAMPLES
 from pydantic import BeforeValidator, Field
 
 from .effects import DEFAULTS, EFFECTS, contradictions
@@ -21,7 +22,9 @@ from .quantities import (
     Force,
     Inertia,
     Length,
+    Line,
     Mass,
+    Module,
     Name,
     Rate,
     Ratio,
@@ -30,13 +33,16 @@ from .quantities import (
     SpeedOverTime,
     Stiffness,
     Table,
+    Title,
     Torque,
     TorqueOverTime,
     TorsionalDamping,
     TorsionalStiffness,
 )
 
-SAMPLES = 1e8  # the most a result may hold for each of its quantities
+MOST_PLANETS = 24
+MOST_MEMBERS = 300  # planets included
+PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
 
 
 class Disc(Table):
@@ -145,7 +151,7 @@ class Gear(Member):
 class Stage(Table):
     """What planetary stages and parallel pairs share: the tooth system."""
 
-    module: Length | None = None
+    module: Module | None = None
     pressure_angle: Angle | None = None
     helix_angle: Angle = 0.0
     center_distance: Length | None = None
@@ -173,8 +179,8 @@ class Planetary(Stage):
     """A planetary stage: ring, sun, carrier and equal planets."""
 
     kind: Literal["planetary"]
-    planets: Annotated[int, Field(ge=1, le=24)]
-    planet_angles: list[Angle] | None = None
+    planets: Annotated[int, Field(ge=1, le=MOST_PLANETS)]
+    planet_angles: Annotated[list[Angle], Field(max_length=MOST_PLANETS)] | None = None
     ring: Gear
     sun: Gear
     planet: Gear
@@ -182,8 +188,8 @@ class Planetary(Stage):
     sun_planet: Mesh
     ring_planet: Mesh
     pin: PinBearing
-    position_errors: list[PositionError] = []
-    eccentricities: list[PlanetEccentricity] = []
+    position_errors: Annotated[list[PositionError], Field(max_length=MOST_PLANETS)] = []
+    eccentricities: Annotated[list[PlanetEccentricity], Field(max_length=MOST_PLANETS)] = []
 
     def faults(self) -> Iterator[str]:
         """Check the planets."""
@@ -301,8 +307,9 @@ class Simulation(Table):
 
     def faults(self) -> Iterator[str]:
         """Check that the result fits a computer."""
-        if self.rate is not None and self.t_end * self.rate > SAMPLES:
-            yield f".rate: t_end times rate are {self.t_end * self.rate:.2g} samples, above {SAMPLES:.0e}; lower one"
+        if self.rate is not None and self.t_end * self.rate > MOST_SAMPLES:
+            asked = f"{self.t_end * self.rate:.2g} samples"
+            yield f".rate: t_end times rate are {asked}, above {MOST_SAMPLES:.0e}; lower one"
 
 
 def _effects(chosen: object) -> dict[str, str]:
@@ -331,8 +338,8 @@ def suggest(name: object, known: Sequence[str], what: str) -> str:
 class Scene(Table):
     """A gearbox, its loads and the effects it calls for; immutable and in SI units."""
 
-    title: Annotated[str, Field(min_length=1, max_length=200)]
-    name: str = "scene"
+    title: Title
+    name: Line = "scene"
     stages: dict[Name, Annotated[Planetary | Pair, Field(discriminator="kind")]] = {}
     rotors: dict[Name, Rotor] = {}
     couplings: dict[Name, Coupling] = {}
@@ -341,4 +348,4 @@ class Scene(Table):
     effects: Annotated[dict[str, str], BeforeValidator(_effects)] = DEFAULTS
     simulation: Simulation = Simulation()
     rayleigh: Rayleigh | None = None
-    sources: dict[str, str] = {}
+    sources: dict[str, Line] = {}

@@ -12,6 +12,8 @@ from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import core_schema
 
 from . import units
+from .files import UnreadableError, read_bytes
+from .ranges import RANGES, check_range
 
 Pairs = tuple[tuple[float, float], ...]
 Reader = Callable[[object], float]
@@ -96,7 +98,7 @@ class Series:
             where = f"{shown} line {reader.line_num}"
             raise ValueError(f"{where}: is not CSV, {error}; separate columns by commas") from None
         first, second = self._factors(shown, lines[0][1] if lines else [])
-        return _pairs(lines[1:], (_times(first), _times(second)), "write it like 0.5,1.2")
+        return _pairs(lines[1:], (_times(first, self.first), _times(second, self.second)), "write it like 0.5,1.2")
 
     def _factors(self, shown: str, header: Sequence[str]) -> list[float]:
         """Return what takes the columns under a header to SI."""
@@ -142,12 +144,19 @@ def _pairs(rows: Sequence[tuple[str, object]], read: tuple[Reader, Reader], exam
 
 def _in_unit(unit: str) -> Reader:
     """Return what reads a number of the scene: text with a unit, or a plain one where none is due."""
-    return (lambda value: units.parse(value, unit)) if unit else _plain
+    return (lambda value: _within(units.parse(value, unit), unit, value)) if unit else _plain
 
 
-def _times(factor: float) -> Reader:
+def _times(factor: float, unit: str) -> Reader:
     """Return what reads a number of a CSV file."""
-    return lambda text: _plain(text, factor)
+    return lambda text: _within(_plain(text, factor), unit, text)
+
+
+def _within(number: float, unit: str, value: object) -> float:
+    """Return a number that lies in the range of its unit."""
+    if unit:
+        check_range(number, unit, f"{value!r:.60}", RANGES[unit], positive=False)
+    return number
 
 
 def _plain(value: object, factor: float = 1.0) -> float:
@@ -165,15 +174,16 @@ def _plain(value: object, factor: float = 1.0) -> float:
 def _text(path: Path, shown: str, example: str) -> str:
     """Return the text of a CSV file; messages call it ``shown``."""
     try:
-        if not path.is_file():
-            what = "is a folder" if path.is_dir() else "no such file"
-            raise ValueError(f"{shown}: {what}; give the name of a CSV file beside the scene, or {example}")
-        with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
+        data = read_bytes(path, LARGEST_FILE)
         if len(data) > LARGEST_FILE:
             raise ValueError(f"{shown}: is above {LARGEST_FILE // 1_000_000} MB; take fewer rows")
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise ValueError(f"{shown}: is not text in UTF-8; save it as CSV in UTF-8") from None
+    except UnreadableError as error:
+        raise ValueError(f"{shown}: {error}") from None
+    except (FileNotFoundError, NotADirectoryError):
+        cure = f"give the name of a CSV file beside the scene, or {example}"
+        raise ValueError(f"{shown}: no such file; {cure}") from None
     except OSError as error:
         raise ValueError(f"{shown}: cannot be read: {error.strerror}; check its name and rights") from None

@@ -10,10 +10,12 @@ from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import SceneError
 
 from .build import build_model
+from .changes import put_changes
 from .pipeline import content_key, obtain
-from .scene import Raw, describe_scene, find_folder, make_scene, put_changes, read_tables
+from .scene import Source, describe_scene, make_scene, read_source
 from .schema import Scene
-from .series import Files, Pairs
+from .series import Pairs
+from .toml import Raw
 
 LABELS = ("source", "title")
 """What a scene says that no number depends on."""
@@ -28,7 +30,7 @@ class Template:
     Parameters
     ----------
     source
-        Name of a shipped scene or path of a TOML file.
+        Name of a shipped scene, path of a TOML file, or what ``read_source`` returned for one of these.
     changes
         Dotted key -> value for all variants, as ``load_scene`` takes them.
 
@@ -38,11 +40,11 @@ class Template:
         If the scene cannot be read, or a key leads nowhere.
     """
 
-    def __init__(self, source: str | Path, changes: Mapping[str, str] | None = None) -> None:
-        self.label, self.text, self.raw = read_tables(source)
-        self.name, self.folder, self.changes = Path(str(source)).stem, find_folder(source), dict(changes or {})
+    def __init__(self, source: str | Path | Source, changes: Mapping[str, str] | None = None) -> None:
+        read = read_source(source)
+        self.label, self.name, self.text, self.folder = read.label, read.name, read.text, read.folder
+        self.raw, self.files, self.changes = read.tables(), dict(read.files), dict(changes or {})
         put_changes(self.raw, self.changes, self.label)
-        self.files: Files = {}
 
     def scene(self, changes: Mapping[str, str]) -> Scene:
         """Return a variant's scene.

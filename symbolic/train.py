@@ -122,7 +122,9 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     solution, _, rank, _ = np.linalg.lstsq(matrix, vector, rcond=None)
     solution += np.linalg.lstsq(matrix, vector - matrix @ solution, rcond=None)[0]
     solution[np.abs(solution) < 1e-12 * np.abs(solution).max()] = 0.0
-    faults = _motion_faults(matrix, vector, solution, int(rank), list(everyone))
+    supports = [i for i, name in enumerate(fixed_speeds, len(rows) - len(fixed_speeds)) if name in _sprung(everyone)]
+    faults = _blocking(matrix, vector, solution, supports, list(everyone))
+    faults = faults or _motion_faults(matrix, vector, solution, int(rank), list(everyone))
     ratios = {name: float(solution[i]) + 0.0 for name, i in column.items()}
     return Motion("speed" if lead in held else "torque", lead, speed, ratios), faults
 
@@ -195,9 +197,40 @@ def load_torque(load: Load, speed: float) -> float:
     return load.torque or 0.0
 
 
+def final_torque(load: Load) -> float:
+    """Return the torque [N m] that a load keeps in the end, without that of a slip law."""
+    return load.torque_over_time[-1][1] if load.torque_over_time is not None else load.torque or 0.0
+
+
+def _sprung(everyone: dict[str, Member | Rotor]) -> list[str]:
+    """Return the members that a spring to the housing holds."""
+    return [name for name, member in everyone.items() if member.torsional_support and not is_fixed(member)]
+
+
+def _blocking(matrix: Vector, vector: Vector, solution: Vector, supports: list[int], names: list[str]) -> list[str]:
+    """Say which torsional supports alone, in rows ``supports``, keep a train from turning as its loads ask."""
+    if not supports or _is_solved(matrix, vector, solution):
+        return []
+    kept = np.isin(np.arange(len(vector)), supports, invert=True)
+    less, right = matrix[kept], vector[kept]
+    freed = np.linalg.lstsq(less, right, rcond=None)[0].astype(float)
+    if not _is_solved(less, right, freed):
+        return []
+    turning = [names[int(np.argmax(matrix[i]))] for i in supports if abs(matrix[i] @ freed) > 1e-9]
+    return [
+        f"{'stages' if '.' in name else 'rotors'}.{name}.torsional_support: holds a member that the loads turn; drop it"
+        for name in turning
+    ]
+
+
+def _is_solved(matrix: Vector, vector: Vector, solution: Vector) -> bool:
+    """Tell whether speeds agree with all that is asked of them."""
+    return bool(np.abs(matrix @ solution - vector).max() <= 1e-9 * max(1.0, np.abs(solution).max()))
+
+
 def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, names: list[str]) -> list[str]:
     """Say which speeds contradict each other or stay open."""
-    if np.abs(matrix @ solution - vector).max() > 1e-9 * max(1.0, np.abs(solution).max()):
+    if not _is_solved(matrix, vector, solution):
         return ["loads: the speeds contradict the teeth, the fixed members or each other; give fewer speeds"]
     if rank < len(names):
         null = np.linalg.svd(matrix)[2][rank:]

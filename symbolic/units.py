@@ -79,6 +79,8 @@ def parse(text: object, unit: str) -> float:
     """
     example = f'write it like "{EXAMPLES.get(unit, "1 " + unit)}"'
     shown = f"{text!r:.60}"
+    if isinstance(text, list | tuple | dict | bool):
+        raise ValueError(f"must be text with a number and a unit, not {shown}; {example}")
     if not isinstance(text, str):
         raise ValueError(f"{shown} has no unit; {example}")
     match = NUMBER.fullmatch(text) if len(text) <= 80 else None

@@ -1,6 +1,7 @@
 """What the schema cannot see: names that refer to nothing, gears that cannot mesh, motion that is open."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from itertools import pairwise
 from math import acos, cos, degrees, pi, tan, tau
 from typing import Annotated, Any
@@ -8,12 +9,10 @@ from typing import Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError
 
 from . import gears, mesh_stiffness, train
-from .mesh_schema import Mesh
-from .schema import Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
+from .mesh_schema import MOST_HARMONICS, Mesh
+from .schema import MOST_MEMBERS, MOST_PLANETS, PARTS, Gear, Member, Pair, Planetary, Rotor, Scene, Stage, suggest
+from .tolerances import oversized
 
-PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
-SMALL = 0.05
-"""The most that a gap or an error may be of the centre distance; beyond, small ones were meant."""
 RESERVED = ("reference", "origin", "gravity", "loads", "couplings")
 ONE_STAGE: TypeAdapter[Planetary | Pair] = TypeAdapter(Annotated[Planetary | Pair, Field(discriminator="kind")])
 
@@ -54,6 +53,19 @@ def validate_parts(plain: Mapping[str, Any], context: Mapping[str, Any]) -> list
             everyone |= {f"{name}.{part}": getattr(stage, part) for part in PARTS[stage.kind]}
             faults += _stage(name, stage)
     return [*_names(stages, _table(plain, "rotors")), *_references(everyone, plain), *faults]
+
+
+def too_many(plain: Mapping[str, Any]) -> Iterator[str]:
+    """Tell which tables of a raw scene have more entries than any drive train, before anything else is done."""
+    stages = [stage for stage in _table(plain, "stages").values() if isinstance(stage, dict)]
+    planets = [n for n in (stage.get("planets") for stage in stages) if isinstance(n, int) and 0 < n <= MOST_PLANETS]
+    others = [len(PARTS.get(str(stage.get("kind")), ())) for stage in stages]
+    count = len(_table(plain, "rotors")) + sum(planets) + sum(others)
+    if count > MOST_MEMBERS:
+        yield f"stages and rotors: {count} members, planets included; join some, {MOST_MEMBERS} at most"
+    for key in ("couplings", "loads"):
+        if len(_table(plain, key)) > MOST_MEMBERS:
+            yield f"{key}: has {len(_table(plain, key))} entries; leave out some, {MOST_MEMBERS} at most"
 
 
 def _table(plain: Mapping[str, Any], key: str) -> dict[str, Any]:
@@ -124,38 +136,11 @@ def _stage(name: str, stage: Planetary | Pair) -> Iterator[str]:
     if not faults:
         for mesh_name, mesh, one, two, sigma in meshes(stage):
             faults += _mesh(f"{key}.{mesh_name}", stage, mesh, one, two, sigma)
-        faults += _small(key, stage)
+        faults += oversized(key, stage, meshes(stage))
         if isinstance(stage, Planetary):
             faults += _support(key, stage)
             faults += [*_assembly(key, stage), *(_room(key, stage) if not faults else ())]
     yield from faults
-
-
-def _small(key: str, stage: Planetary | Pair) -> Iterator[str]:
-    """Check that gaps and errors are small beside the stage, and that gaps are none or more."""
-    lengths: dict[str, float] = {}
-    for name, mesh, *_ in meshes(stage):
-        lengths[f"{name}.backlash"] = mesh.backlash
-        lengths |= {f"{name}.tooth_errors.{i}.error": item.error for i, item in enumerate(mesh.tooth_errors)}
-        harmonics = mesh.transmission_error.amplitudes if mesh.transmission_error else ()
-        lengths |= {f"{name}.transmission_error.amplitudes.{i}": size for i, size in enumerate(harmonics)}
-    for part in PARTS[stage.kind]:
-        gear = getattr(stage, part)
-        if isinstance(gear, Gear) and gear.eccentricity is not None:
-            lengths[f"{part}.eccentricity.radius"] = gear.eccentricity.radius
-        if gear.bearing is not None and gear.bearing.clearance is not None:
-            lengths[f"{part}.bearing.clearance"] = gear.bearing.clearance
-    if isinstance(stage, Planetary):
-        lengths["pin.clearance"] = stage.pin.clearance or 0.0
-        lengths |= {f"eccentricities.{i}.radius": item.radius for i, item in enumerate(stage.eccentricities)}
-        for i, item in enumerate(stage.position_errors):
-            lengths |= {f"position_errors.{i}.{axis}": getattr(item, axis) for axis in ("radial", "tangential")}
-    most = SMALL * gears.stage_distance(stage)
-    for name, length in lengths.items():
-        if abs(length) > most:
-            yield f"{key}.{name}: {length * 1e3:.4g} mm is no small error; {most * 1e3:.4g} mm at most"
-        if length < 0 and name.endswith(("backlash", "radius")):
-            yield f"{key}.{name}: must not be less than zero"
 
 
 def meshes(stage: Planetary | Pair) -> list[tuple[str, Mesh, Gear, Gear, int]]:
@@ -242,6 +227,7 @@ def _mesh(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, s
     choices = tuple(key.rsplit(".", 1)[-1].split("_")) if isinstance(stage, Planetary) else ("input", "output")
     if mesh.reference is not None and mesh.reference not in choices:
         yield f"{key}.reference: must be one of {', '.join(choices)}, not {mesh.reference!r}"
+        return
     faults: list[str] = []
     if mesh.face_width is not None:
         faults += _computable(key, stage, mesh, one, two)
@@ -260,19 +246,21 @@ def _profile(key: str, geometry: tuple[Planetary | Pair, Mesh, Gear, Gear, int])
         room = min(share, 1 - share)
         if mesh.transition is not None and mesh.transition > room * (1 + 1e-9):
             yield f"{key}.transition: transitions overlap, single contact lasts {share:.3f} pitches; {room:.3f} at most"
-        series = mesh_stiffness.two_level_series(single, double, share, mesh.harmonics)
-        yield from _positive(f"{key}.harmonics", series)
+        levels = partial(mesh_stiffness.two_level_series, single, double, share)
+        yield from _positive(f"{key}.harmonics", mesh.harmonics, levels)
     if mesh.stiffness_table is not None:
-        yield from _positive(
-            f"{key}.stiffness_table", mesh_stiffness.table_series(mesh.stiffness_table, mesh.harmonics)
-        )
+        table = partial(mesh_stiffness.table_series, mesh.stiffness_table)
+        yield from _positive(f"{key}.stiffness_table", mesh.harmonics, table)
 
 
-def _positive(key: str, series: list[float]) -> Iterator[str]:
-    """Check that a series is a stiffness all over the pitch."""
-    least = mesh_stiffness.least_value(tuple(series))
+def _positive(key: str, count: int, series: Callable[[int], list[float]]) -> Iterator[str]:
+    """Check that a series of so many harmonics is a stiffness all over the pitch."""
+    least = mesh_stiffness.least_value(tuple(series(count)))
     if least <= 0:
-        yield f"{key}: {len(series) // 2} harmonics swing down to {least:.3g} N/m; keep more, or fewer"
+        lawful = mesh_stiffness.lawful_counts(series(MOST_HARMONICS))
+        near = min(lawful, key=lambda n: abs(n - count), default=0)
+        cure = f"give harmonics = {near}" if near else "no number of them stays above zero, so smooth the table"
+        yield f"{key}: {count} harmonics swing down to {least:.3g} N/m; {cure}"
 
 
 def _tooth_errors(
@@ -310,7 +298,7 @@ def _computable(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: G
 def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> Iterator[str]:
     """Check that single and double contact can alternate."""
     if one.teeth is None or two.teeth is None:
-        yield f"{key}: double_factor and tooth_errors need the teeth of both gears"
+        yield f"{key}: double_factor and tooth_errors need the teeth of both gears; give them, or drop these"
         return
     if mesh.contact_ratio is not None:
         if mesh.tooth_errors and mesh.contact_ratio in (1.0, 2.0):

@@ -34,6 +34,14 @@ def interrupts():
     signal.signal(signal.SIGINT, before)
 
 
+@pytest.fixture(autouse=True, scope="session")
+def disks():
+    """Wait for no disk: tests have no power cuts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda handle: None)
+        yield
+
+
 @pytest.fixture
 def run(monkeypatch, capsys):
     """Run a command line in this process; return exit code, stdout and stderr."""

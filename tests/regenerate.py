@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from ltcgear.generated import store
+from ltcgear.generated import folders, store
 from ltcgear.runtime.cli.command_page import write_commands
 from ltcgear.runtime.library import Library
 from ltcgear.runtime.plain.data import Run, write_data
@@ -71,7 +71,7 @@ def keep(target: Path, files: dict[str, str]) -> dict[str, str]:
 
 
 def main(docs_only: bool) -> None:
-    store.write_folder(ROOT / "docs", {name: write() for name, write in PAGES.items()})
+    folders.write_folder(ROOT / "docs", {name: write() for name, write in PAGES.items()})
     print("wrote " + ", ".join(f"docs/{name}" for name in PAGES))
     if docs_only:
         return
@@ -79,7 +79,7 @@ def main(docs_only: bool) -> None:
         "plain": write_kit(),
         **{folder: texts(scene) for scene, folder in COMMITTED.items()},
     }.items():
-        store.write_folder(HOME / folder, keep(HOME / folder, files))
+        folders.write_folder(HOME / folder, keep(HOME / folder, files))
         print(f"wrote generated/{folder}")
 
 

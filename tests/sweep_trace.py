@@ -10,11 +10,12 @@ from ltcgear.symbolic import Template
 class Traced(Template):
     """Notes each model that is made: the process and the changes, in a file that all processes append to.
 
-    Where one change has the value ``deadly``, the process is killed; ``times`` says how often at most.
+    Where one change has the value ``deadly``, the process gets a signal; ``times`` says how often at most.
     """
 
-    def __init__(self, trace, name, changes=None, deadly=None, times=99):
+    def __init__(self, trace, name, changes=None, deadly=None, times=99, by=signal.SIGKILL):
         super().__init__(name, changes)
+        self.by = by
         self.trace, self.deadly, self.times_killed = trace, deadly, times
         self.home = os.getpid()
 
@@ -22,7 +23,7 @@ class Traced(Template):
         with Path(self.trace).open("a") as file:
             file.write(f"{os.getpid()} {sorted(changes.items())}\n")
         if self.deadly in changes.values() and os.getpid() != self.home and self._count(changes) <= self.times_killed:
-            os.kill(os.getpid(), signal.SIGKILL)
+            os.kill(os.getpid(), self.by)
         return super().make(changes)
 
     def _count(self, changes):

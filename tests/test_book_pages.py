@@ -224,6 +224,6 @@ def test_a_broken_disk_leaves_no_draft(tmp_path, monkeypatch):
 
     monkeypatch.setattr(Path, "write_text", full)
     empty = Book("t", "s", {}, (Chapter(1, "One", "one"),), {"key": "k", "ltcgear": "0"}, {}, {})
-    with pytest.raises(pages.LtcgearError, match="No space left"):
+    with pytest.raises(pages.LtcgearError, match="the disk is full"):
         volume.write_book(empty, tmp_path / "x.html")
     assert not list(tmp_path.iterdir())

@@ -11,6 +11,7 @@ from time import sleep
 
 import pytest
 from ltcgear.generated import store as generated_store
+from ltcgear.generated import writing
 from ltcgear.runtime import cli, integration, library, native, present
 from ltcgear.symbolic.scene import shipped_scenes
 
@@ -170,6 +171,62 @@ def test_info_of_a_file(data, tmp_path):
     assert data("info", path)["scene"] == "mine [1]"
 
 
+@contextmanager
+def piped(text):
+    """Give the path of a pipe that holds a text, as ``<(...)`` does."""
+    read, write = os.pipe()
+    os.write(write, text.encode())
+    os.close(write)
+    try:
+        yield f"/dev/fd/{read}"
+    finally:
+        os.close(read)
+
+
+def test_a_scene_from_a_pipe_is_kept_and_varied(data, tmp_path):
+    """Results keep its text, and variants are made of it, though a pipe can be read once only."""
+    import xarray as xr
+    from ltcgear.symbolic.scene import SHIPPED
+
+    text = (SHIPPED / "psh.toml").read_text("utf-8")
+    with piped(text) as path:
+        assert data("info", path)["title"] == data("info", "psh")["title"]
+    with piped(text) as path:
+        data("simulate", path, "--t-end", "0.01", "-o", tmp_path / "a.nc")
+    assert xr.open_dataset(tmp_path / "a.nc").attrs["scene_text"] == text
+    with piped(text) as path:
+        variants = data("cost", path, "--t-end", "0.005")["variants"]
+    assert len(variants) > 3
+    assert not any(row["reason"] for row in variants)
+
+
+@pytest.mark.parametrize("command", ["info", "simulate", "check", "cost", "modes", "sweep"])
+def test_a_path_that_cannot_be_one_is_exit_code_2(refused, command, tmp_path):
+    more = ["--vary", "x=1,2", "-o", tmp_path / "a.nc"] if command == "sweep" else []
+    if command == "simulate":
+        (tmp_path / "a.nc").touch()
+        more = ["-o", tmp_path / "a.nc"]
+    assert "File name too long" in refused(command, tmp_path / ("x" * 300), *more)
+    assert "File name too long" in refused(command, "x/" * 5000, *more)
+    assert "is a device" in refused(command, "/dev/zero", *more)
+
+
+@pytest.mark.parametrize("name", [b"gear\xff\x1b[31m.toml", b"x" * 245 + b".toml"], ids=["not UTF-8", "long"])
+def test_odd_names_of_files_work_and_are_not_obeyed(run, name, tmp_path):
+    from ltcgear.symbolic.scene import SHIPPED
+
+    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name))
+    path.write_text(
+        (SHIPPED / "psh.toml").read_text("utf-8") + "\n[effects]\ngravity = 'on'\nmesh_friction = 'sliding'\n"
+    )
+    for arguments in (["info", path], ["simulate", path, "--t-end", "0.005", "-o", tmp_path / "a.nc"]):
+        code, out, err = run(*arguments)
+        assert code == 0, err
+        assert "warning: " in err
+        assert "\x1b" not in out + err
+        assert (out + err).encode()
+
+
 def test_check(data, run):
     shown = data("check", "psh")
     assert shown["passed"] is True
@@ -189,7 +246,7 @@ def test_generate(data, tmp_path):
     shown = data("generate", "psh", "-o", target)
     assert {"files", "ops", "seconds", "key"} <= set(shown)
     assert {"derive", "check", "emit", "compile"} <= set(shown["seconds"])
-    expected = ["data.c", "ltcgear.c", "ltcgear.h", "main.c", "manifest.json", "model.c"]
+    expected = ["SHA256SUMS", "data.c", "ltcgear.c", "ltcgear.h", "main.c", "manifest.json", "model.c"]
     assert sorted(path.name for path in target.iterdir()) == expected
     assert all(Path(file).is_file() for file in shown["files"])
     assert (target / "model.c").read_text("utf-8").count("{") > 10
@@ -211,25 +268,25 @@ def test_simulate(data, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
 
 
-def test_an_interrupted_run_goes_on_or_is_begun_anew(run, tmp_path, monkeypatch):
+def test_an_interrupted_run_goes_on_or_is_begun_anew(run, refused, tmp_path, monkeypatch):
     @contextmanager
     def stopping(title, end):
         yield lambda now: os.kill(os.getpid(), signal.SIGINT)
 
     command = ("simulate", "psh", *SHORT, "-o", tmp_path / "result.nc")
-    for last, told in (("--resume", ""), ("--json", "result.part.nc: an unfinished run is begun anew; --resume goes")):
+    for last in ("--resume", "--force"):
         with monkeypatch.context() as patch:
             patch.setattr(cli.running, "progress", stopping)
             patch.setattr(integration, "SLICE", 0.0)
             code, _, err = run(*command)
         assert code == 130
         assert err.startswith("ltcgear: interrupted at t = ")
-        assert "--resume goes on" in err
-        assert len(list(tmp_path.iterdir())) == 3
-        code, _, err = run(*command, last)
-        assert (code, bool(err)) == (0, bool(told))
-        assert told in err
+        assert err.endswith("result.part.nc, --resume goes on\n")
+        assert sorted(path.suffixes[0] for path in tmp_path.iterdir()) == [".checkpoint", ".part"]
+        assert "--resume goes on with it; to begin anew, delete it or give --force" in refused(*command)
+        assert run(*command, last)[0] == 0
         assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
+        (tmp_path / "result.nc").unlink()
 
 
 @pytest.mark.parametrize("method", ["erk", "cvodes", "adams", "idas", "rosenbrock", "sundae"])
@@ -379,14 +436,14 @@ def test_a_folder_without_the_right_to_write_is_refused_before_computing(refused
     def refuse(*arguments, **keys):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("tempfile.TemporaryFile", refuse)
+    monkeypatch.setattr(writing, "make_draft", refuse)
     assert "cannot be written" in refused("simulate", "lsp", "-o", tmp_path / "x.nc")
 
 
 def test_a_target_for_c_that_is_a_file_is_refused(refused, tmp_path):
     (tmp_path / "file").write_text("kept", encoding="utf-8")
-    assert "cannot be written" in refused("generate", "psh", "-o", tmp_path / "file")
-    assert "cannot be written" in refused("generate", "psh", "-o", tmp_path / "file" / "below")
+    assert "is a file; give a folder" in refused("generate", "psh", "-o", tmp_path / "file")
+    assert "is a file; give a folder" in refused("generate", "psh", "-o", tmp_path / "file" / "below")
     assert (tmp_path / "file").read_text("utf-8") == "kept"
 
 

@@ -106,7 +106,7 @@ def test_a_record_is_made_once_and_kept(run, monkeypatch):
         (["accuracy", "psh", "--rtol", "1"], "must lie between"),
         (["accuracy", "psh", "--rtol", "1e-3", "--rtol", "nan"], "must lie between"),
         (["accuracy", "psh", "--t-end", "0"], "t_end 0: must"),
-        (["accuracy", "psh", "-o", "/dev/null/x"], "cannot be made"),
+        (["accuracy", "psh", "-o", "/dev/null/x"], "is a file; give a folder"),
         (["simulate", "psh", "--accuracy", "0%"], "above 0 %"),
         (["simulate", "psh", "--accuracy", "200%"], "below 100 %"),
         (["simulate", "psh", "--accuracy", "abc"], "write a percentage, for example 0.1%"),

@@ -92,7 +92,7 @@ def test_ctrl_c_keeps_rows_and_the_same_command_goes_on(data, tmp_path):
     os.killpg(program.pid, signal.SIGINT)
     out, err = program.communicate(timeout=60)
     assert (program.returncode, out) == (130, "")
-    assert err == "ltcgear: stopped; rows are kept, the same command goes on\n"
+    assert err == f"ltcgear: stopped; rows are kept in {part}, the same command goes on\n"
     kept = load_sweep(part).sizes["point"]
     assert 5 < kept < 200
     shown = data("sweep", "lsp", *vary, "-o", target)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ltcgear.generated import store
+from ltcgear.generated import folders
 
 from .measure import apart
 
@@ -46,8 +46,8 @@ def main() -> None:
     print(table)
     page = PAGE.read_text("utf-8")
     head, tail = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
-    store.write_folder(DATA.parent, {DATA.name: json.dumps(data, indent=1) + "\n"})
-    store.write_folder(DOCS, {PAGE.name: f"{head}{table}{tail}"})
+    folders.write_folder(DATA.parent, {DATA.name: json.dumps(data, indent=1) + "\n"})
+    folders.write_folder(DOCS, {PAGE.name: f"{head}{table}{tail}"})
     print(f"wrote {PAGE} and {DATA}")
 
 

@@ -48,7 +48,7 @@ def compile_seconds(text: str) -> float:
         source.write_text(text, encoding="utf-8")
         for _ in range(COMPILED):
             clock = perf_counter()
-            subprocess.run([compiler.path, *store.flags(), str(source), "-o", f"{folder}/model.so"], check=True)
+            subprocess.run([*compiler.command, *store.flags(), str(source), "-o", f"{folder}/model.so"], check=True)
             least = min(least, perf_counter() - clock)
     return float(least)
 

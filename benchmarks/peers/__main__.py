@@ -14,7 +14,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from ltcgear.generated import store
+from ltcgear.generated import folders, store
 from ltcgear.generated.errors import LtcgearError
 
 from . import page, runners
@@ -172,11 +172,11 @@ def main() -> None:
     text = page.tables(data)
     print(text)
     Path(page.DATA).parent.mkdir(exist_ok=True)
-    store.write_folder(page.DATA.parent, {page.DATA.name: json.dumps(data, indent=1) + "\n"})
+    folders.write_folder(page.DATA.parent, {page.DATA.name: json.dumps(data, indent=1) + "\n"})
     draw_races(data, page.FIGURE)
     before, rest = page.PAGE.read_text("utf-8").split(page.BEGIN)
     after = rest.split(page.END)[1]
-    store.write_folder(page.PAGE.parent, {page.PAGE.name: before + page.BEGIN + text + page.END + after})
+    folders.write_folder(page.PAGE.parent, {page.PAGE.name: before + page.BEGIN + text + page.END + after})
 
 
 if __name__ == "__main__":

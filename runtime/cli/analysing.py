@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import make_folder
 
 from .. import present
-from ..options import AsJson, ResultPath
+from ..options import AsJson, Force, ResultPath
 from ..progress import progress
 from .app import app
 from .opening import restore_modes
@@ -56,13 +57,13 @@ Format = Annotated[str, typer.Option("--format", help="Format of the figures: pn
 def analyse(
     file: ResultPath, start: From = None, stop: To = None, output: Outputs = None, shaft: Shaft = None,
     band: Band = None, window: Window = "hann", resolution: Resolution = None, lines: Lines = 12, modes: Named = True,
-    folder: Folder = None, form: Format = "png", as_json: AsJson = False,
+    folder: Folder = None, form: Format = "png", force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell what a result shows: named lines, load shares, factors, transmission error, cycles, bearings, orbits."""
     from ..analysis.listing import list_tables
     from ..analysis.survey import Options
     from ..analysis.survey import analyse as survey
-    from ..results import load, make_folder
+    from ..results import load
 
     edges = _read_band(band)
     if form not in FORMATS:
@@ -115,14 +116,11 @@ def _write(found: "Survey", tables: dict[str, Any], folder: Path, form: str) -> 
     from ..analysis.gallery import draw_survey
     from ..plots import save_figure
 
-    try:
-        files = [table.write_csv(folder / _file(name, "csv")) for name, table in tables.items()]
-        with progress(f"draw to {folder}", 1, "") as told:
-            for name, figure in draw_survey(found):
-                files.append(save_figure(figure, folder / _file(name, form)))
-                told(0)
-    except OSError as error:
-        raise LtcgearError(f"{folder}: cannot be written: {error.strerror or error}") from error
+    files = [table.write_csv(folder / _file(name, "csv")) for name, table in tables.items()]
+    with progress(f"draw to {folder}", 1, "") as told:
+        for name, figure in draw_survey(found):
+            files.append(save_figure(figure, folder / _file(name, form)))
+            told(0)
     return files
 
 

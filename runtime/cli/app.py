@@ -1,10 +1,16 @@
 """The app: its common options, and how errors become one message and an exit code."""
 
+import io
 import sys
 from typing import Annotated, cast
 
 import typer
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
+from ltcgear.generated.text import write_out
+
+from ..machine import find_fault
+from ..streams import outlets
+from ..terminal import tell
 
 # Plain help: rich would take "[s]" for markup and drop it.
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
@@ -39,17 +45,39 @@ def common(
 
 def main() -> None:
     """Run the command line; errors become one message and an exit code."""
+    with outlets() as output:
+        code = _run()
+        output.flush()
+        if output.fault is not None:
+            tell(f"standard output cannot be written: {output.fault.strerror}; make room, or send it somewhere else")
+            code = code or MachineError.exit_code
+    sys.exit(code)
+
+
+def _run() -> int:
+    """Run a command and return its exit code."""
     try:
-        code = app(standalone_mode=False) or 0
+        code = int(app(standalone_mode=False) or 0)
         if code == INTERRUPTED:  # what typer makes of a KeyboardInterrupt; older ones abort
             raise KeyboardInterrupt
     except LtcgearError as error:
-        print(f"ltcgear: {error}", file=sys.stderr)
-        code = error.exit_code
+        return _refuse(str(error), error.exit_code)
     except UsageError as error:
-        error.show()
-        code = error.exit_code
+        shown = io.StringIO()
+        error.show(shown)
+        print(write_out(shown.getvalue(), keep="\n"), end="", file=sys.stderr)
+        return error.exit_code
     except (KeyboardInterrupt, typer.Abort):
-        print("ltcgear: stopped; no file is half-written", file=sys.stderr)
-        code = INTERRUPTED
-    sys.exit(code)
+        return _refuse("stopped; no file is half-written", INTERRUPTED)
+    except (ImportError, MemoryError, OSError, RuntimeError) as error:
+        fault = find_fault(error)
+        if fault is None:
+            raise
+        return _refuse(fault, MachineError.exit_code)
+    return code
+
+
+def _refuse(message: str, code: int) -> int:
+    """Tell why a command ends, and return its exit code."""
+    tell(message)
+    return code

@@ -11,11 +11,30 @@ HEAD = """# Commands
 file.
 
 - With `--json` a command prints one JSON object and nothing else on standard output; messages go to standard error.
-- Exit codes: 0 done, 1 a check failed, 2 bad input, 3 the solver or the compiler failed, 130 stopped by Ctrl-C.
-- C that was made once is kept in a store in the user's cache folder; the environment variable `LTCGEAR_CACHE` names
-  another folder. Flags in `LTCGEAR_CFLAGS` are given to the compiler after its own ([any processor](arithmetic.md)).
+- Exit codes: 0 done, 1 a check failed, 2 bad input, or a machine without room or memory, 3 the solver or the compiler
+  failed, 130 stopped by Ctrl-C.
+- A reader that goes away (`| head`) changes nothing: the command goes on and ends with its own code. Where standard
+  output itself cannot be written, files are, and the code is 2.
+- C that was made once is kept in a store. It may be removed at any time; what is missing is made again.
 
 This page is written by `make docs` from the commands.
+
+## Environment variables
+
+| variable | what it does |
+|---|---|
+| `CC` | The C compiler, with arguments if need be (`ccache gcc`, `gcc -m64`); else `cc`, `gcc` or `clang`. |
+| `LTCGEAR_CFLAGS` | Flags given to the compiler after ltcgear's own ([any processor](arithmetic.md)). |
+| `LTCGEAR_COMPILE_SECONDS` | Seconds after which a compiler is ended, `inf` for never. |
+| `LTCGEAR_CACHE` | The folder of the store, which only you may write. |
+| `TMPDIR` | Where `accuracy` keeps a store while it measures, and libraries their files; nothing else needs it. |
+| `COLUMNS`, `NO_COLOR` | Width of tables, 40 at least, and their colour. |
+
+Without `LTCGEAR_CACHE` the store is in your cache folder (`XDG_CACHE_HOME`, else `~/.cache`); compilers keep their own
+temporary files there too. Without `LTCGEAR_COMPILE_SECONDS` a compiler has 300 s and one for each kilobyte of C, about
+a hundred times what it [takes](growth.md). `MPLBACKEND` has no effect: figures are files.
+
+## All commands
 
 | command | what it does |
 |---|---|

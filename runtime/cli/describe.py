@@ -5,9 +5,10 @@ from dataclasses import asdict
 import typer
 from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.folders import write_unchanged
 
 from .. import present
-from ..options import AsJson, CFolder, Changes, Fresh, MaybeScene, Printed, SceneName, Sources
+from ..options import AsJson, CFolder, Changes, Force, Fresh, MaybeScene, Printed, SceneName, Sources
 from .app import app
 from .opening import compile_model, open_scene, read_run, split_changes
 
@@ -67,13 +68,18 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
 
 @app.command()
 def generate(
-    scene: SceneName, output: CFolder = None, fresh: Fresh = False, changes: Changes = None, as_json: AsJson = False
+    scene: SceneName,
+    output: CFolder = None,
+    fresh: Fresh = False,
+    changes: Changes = None,
+    force: Force = False,
+    as_json: AsJson = False,
 ) -> None:
     """Derive, check, emit and compile a scene's C, and keep it in the store.
 
     -o writes it to a folder, with all that plain C needs to simulate it.
     """
-    opened = open_scene(scene, changes, fresh)
+    opened = open_scene(scene, changes, fresh=fresh)
     library = compile_model(opened)
     files = store.files(opened.artifact)
     del files["graphs.casadi"]
@@ -83,7 +89,7 @@ def generate(
         from ..plain.kit import write_kit
 
         files |= write_kit() | {"data.c": write_data(library, opened.scene.name, read_run(opened, library))}
-        store.write_folder(output, files)
+        write_unchanged(output, files)
     ops = {name: signature.operations for name, signature in opened.artifact.manifest.functions.items()}
     data = {
         "files": [str(folder / name) for name in files],

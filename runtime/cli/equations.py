@@ -3,15 +3,16 @@
 import typer
 
 from .. import present_book
-from ..options import AsJson, BookFile, Changes, SceneName
+from ..options import AsJson, BookFile, Changes, Force, SceneName
 from ..present import show
-from ..results import check_target
 from .app import app
 from .opening import open_scene
 
 
 @app.command()
-def book(scene: SceneName, output: BookFile, changes: Changes = None, as_json: AsJson = False) -> None:
+def book(
+    scene: SceneName, output: BookFile, changes: Changes = None, force: Force = False, as_json: AsJson = False
+) -> None:
     """Write the equation book: coordinates, energies, laws, equations of motion, checks, the paper's equations.
 
     It is typeset from the symbols that the C is made of. Exit code 1 if a check fails.
@@ -19,9 +20,8 @@ def book(scene: SceneName, output: BookFile, changes: Changes = None, as_json: A
     from ltcgear.symbolic.book import check_file, list_content, make_book, write_book
     from ltcgear.symbolic.checks.run import check_model
 
-    check_file(output)
-    check_target(output)
-    opened = open_scene(scene, changes)
+    check_file(output, scene)
+    opened = open_scene(scene, changes, output)
     checks = check_model(opened.model)
     made = make_book(opened.scene, opened.model, opened.artifact.manifest, opened.key, checks)
     write_book(made, output)

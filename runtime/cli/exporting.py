@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from .. import present
-from ..options import AsJson, Changes, SceneName
+from ..options import AsJson, Changes, Force, SceneName
 from .app import app
 from .opening import compile_model, open_scene, rate_of
 
@@ -22,6 +22,7 @@ def export_fmu(
     output: FmuFile,
     kind: Kind = "co-simulation",
     changes: Changes = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Write a scene as an FMU. Loads that are one number become inputs."""
@@ -29,9 +30,9 @@ def export_fmu(
     from ..fmu.package import check_fmu, check_kind, write_fmu
 
     check_kind(kind)
-    check_fmu(output, Path(scene))
+    check_fmu(output, scene)
     require_compiler()
-    opened = open_scene(scene, changes, steered=True)
+    opened = open_scene(scene, changes, output, steered=True)
     library = compile_model(opened)
     written = write_fmu(
         library, opened.model.values(), output, kind=kind, name=opened.scene.name,

@@ -7,7 +7,7 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 
 from .. import present
-from ..options import AsJson, Changes, EndTime, Method, SceneName
+from ..options import AsJson, Changes, EndTime, Force, Method, SceneName
 from .app import app
 from .opening import compile_model, open_scene
 
@@ -42,7 +42,7 @@ AdjointTolerance = Annotated[float, typer.Option("--rtol", help="Relative tolera
 def sensitivity(
     scene: SceneName, mode: ModeNumber = None, output: OutputName = None, measure: Measure = "rms",
     t_end: EndTime = None, start: First = None, method: Method = "auto", rtol: AdjointTolerance = 1e-8,
-    top: Top = None, file: Listing = None, changes: Changes = None, as_json: AsJson = False,
+    top: Top = None, file: Listing = None, changes: Changes = None, force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell what to change: how eigenfrequencies, or an output of a simulation, follow every parameter."""
     from ..sensitivity.items import list_modes, list_output
@@ -50,11 +50,11 @@ def sensitivity(
     from ..simulation import check_options
 
     if file is not None:
-        check_listing(file)
+        check_listing(file, scene)
     if mode is not None and output is not None:
         raise LtcgearError("sensitivity: both --mode and --output were given; give one of them")
     check_options(method, rtol, t_end)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, file)
     library = compile_model(opened)
     p, tables = library.parameters(opened.model.values()), opened.model.tables
     if output is None:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output
 
 from .. import present
-from ..options import AsJson, Changes, SceneName
-from ..results import check_target
+from ..options import AsJson, Changes, Force, SceneName
 from .app import app
 from .opening import Opened, choose_count, compile_model, linearise_model, open_scene
 
@@ -40,7 +40,7 @@ LISTS, PICTURES, PAGE = (".csv", ".json"), (".png", ".svg", ".pdf"), ".html"
 @app.command()
 def modes(
     scene: SceneName, turn: Turn = None, count: Count = None, mode: Drawn = None, output: ModesFile = None,
-    changes: Changes = None, as_json: AsJson = False,
+    changes: Changes = None, force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """List eigenfrequencies, damping and mode shapes at the loaded equilibrium; with -o, write or draw them."""
     from ..linear.listing import list_modes
@@ -48,8 +48,10 @@ def modes(
     from ..linear.naming import describe_modes
     from ..present_linear import modes as for_people
 
+    if output is not None:
+        check_output(output, scene)
     _check(turn, count, mode, output)
-    opened = open_scene(scene, changes)
+    opened = open_scene(scene, changes, output)
     linear = open_linear(opened, turn)
     wanted = choose_count(linear) if count is None else count
     found = describe_modes(linear, find_modes(linear, wanted))
@@ -80,12 +82,9 @@ def _check(turn: float | None, count: int | None, chosen: list[int] | None, outp
         )
     if chosen and min(chosen) < 1:
         raise LtcgearError(f"--mode {min(chosen)}: modes are numbered from 1, as `ltcgear modes` lists them")
-    if output is None:
-        return
-    if output.suffix not in (*LISTS, *PICTURES, PAGE):
+    if output is not None and output.suffix not in (*LISTS, *PICTURES, PAGE):
         known = ", ".join((*LISTS, *PICTURES, PAGE))
         raise LtcgearError(f"{output}: modes are written as {known}; name it {output.with_suffix('.csv')}")
-    check_target(output)
 
 
 def _write(linear: "Linear", found: list[Any], chosen: list[int] | None, data: dict[str, Any], path: Path) -> Path:

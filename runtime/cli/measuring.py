@@ -1,15 +1,16 @@
 """The command that measures what accuracy costs, and the choice of settings by what it found: accuracy."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from ltcgear.generated.errors import LtcgearError, SolverError
+from ltcgear.generated.writing import make_folder
 
 from .. import present
-from ..options import AsJson, Changes, SceneName
+from ..options import AsJson, Changes, Force, SceneName
 from ..progress import progress
+from ..terminal import tell
 from .app import app
 from .opening import Opened, compile_model, open_scene, rate_of
 from .testing import MethodNames, choose
@@ -38,7 +39,8 @@ RecordFolder = Annotated[
 @app.command()
 def accuracy(
     scene: SceneName, output: RecordFolder = None, preset: PresetName = "quick", t_end: StudyEnd = None,
-    method: MethodNames = None, rtol: Tolerances = None, changes: Changes = None, as_json: AsJson = False,
+    method: MethodNames = None, rtol: Tolerances = None, changes: Changes = None,
+    force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Measure which accuracy every method gives for its time. Exit code 3 where there is no reference to judge by."""
     from ..precision.listing import make_tables
@@ -46,7 +48,6 @@ def accuracy(
     from ..precision.presets import check_preset
     from ..precision.record import keep, write_record
     from ..precision.study import phases_setting
-    from ..results import make_folder
     from ..simulation import check_options
     from ..stepper import METHODS, check_method
 
@@ -128,12 +129,12 @@ def find_setting(opened: Opened, library: "Library", asked: str, path: Path | No
     limit, source = read_percentage(asked), path or kept_path(*keys)
     if path is None and not source.is_file():
         name = opened.scene.name
-        print(f"ltcgear: {name}: no record of its accuracy yet; measuring one (preset quick)", file=sys.stderr)
+        tell(f"{name}: no record of its accuracy yet; measuring one (preset quick)")
         record = measure(opened, library, "quick")
         if record["reference"]["reason"] is not None:
             raise SolverError(f"{name}: no accuracy can be told: {record['reference']['reason']}")
         keep(record)
     setting = select_setting(read_record(source), source, limit, *keys)
     if setting.warning:
-        print(f"ltcgear: warning: {setting.warning}", file=sys.stderr)
+        tell(f"warning: {setting.warning}")
     return setting

@@ -1,17 +1,20 @@
 """Scenes on their way through the house: scene -> model -> C -> library."""
 
-import sys
 from dataclasses import dataclass, field
+from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.contract import Artifact
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
+from ltcgear.generated.writing import check_output
 
 from ..progress import progress
+from ..terminal import tell
 
 if TYPE_CHECKING:
     from ltcgear.symbolic.model import Model
+    from ltcgear.symbolic.scene import Source
     from ltcgear.symbolic.schema import Scene
 
     from ..cost import Variant
@@ -25,7 +28,7 @@ if TYPE_CHECKING:
 class Opened:
     """A scene on its way through the house, with what a result keeps of it and the seconds each stage took.
 
-    ``inputs`` are the tables that others lead.
+    ``source`` is what it was read from, ``inputs`` are the tables that others lead.
     """
 
     scene: "Scene"
@@ -33,6 +36,7 @@ class Opened:
     artifact: Artifact
     key: str
     about: dict[str, Any]
+    source: "Source"
     seconds: dict[str, float] = field(default_factory=dict)
     inputs: tuple[str, ...] = ()
 
@@ -46,30 +50,37 @@ def split_changes(pairs: list[str] | None) -> dict[str, str]:
     return {key: value for key, _, value in split}
 
 
-def open_scene(name: str, changes: list[str] | None = None, fresh: bool = False, steered: bool = False) -> Opened:
+def open_scene(
+    name: "str | Source", changes: list[str] | None = None, output: Path | None = None, fresh: bool = False,
+    steered: bool = False,
+) -> Opened:  # fmt: skip
     """Take a scene through all stages up to generated C; what the store holds is not derived again.
 
-    scene -> Model -> (derive -> check -> emit, or the store) -> Artifact; ``steered`` turns its constant loads into
+    scene -> Model -> (derive -> check -> emit, or the store) -> Artifact; ``output`` is refused where it is a file that
+    the scene names; ``steered`` turns its constant loads into
     tables, which are its inputs.
     """
     from ltcgear.symbolic.advice import warnings
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import content_key, obtain
     from ltcgear.symbolic.report import load_warnings
-    from ltcgear.symbolic.scene import describe_scene, load_scene, read_scene_text
+    from ltcgear.symbolic.scene import describe_scene, load_scene, read_source
     from ltcgear.symbolic.steering import steer_loads
 
     clock = perf_counter()
     replaced = split_changes(changes)
-    scene = load_scene(name, replaced)
+    source = read_source(name)
+    scene = load_scene(source, replaced)
+    if output is not None:
+        check_output(output, *source.paths)
     led, inputs = steer_loads(scene) if steered else (scene, ())
     model = build_model(led)
     seconds = {"load": perf_counter() - clock}
     for line in [*warnings(scene, model), *load_warnings(scene)]:
-        print(f"ltcgear: warning: {name}: {line}", file=sys.stderr)
-    about = describe_scene(scene, read_scene_text(name), replaced)
+        tell(f"warning: {source.label}: {line}")
+    about = describe_scene(scene, source.text, replaced)
     artifact = obtain(model, lambda stage, taken: seconds.update({stage: taken}), fresh)
-    return Opened(scene, model, artifact, content_key(model), about, seconds, inputs)
+    return Opened(scene, model, artifact, content_key(model), about, source, seconds, inputs)
 
 
 def compile_model(opened: Opened) -> "Library":
@@ -80,7 +91,7 @@ def compile_model(opened: Opened) -> "Library":
     library = build(opened.artifact)
     opened.seconds["compile"] = perf_counter() - clock
     if library.path is None:
-        print(NO_COMPILER, file=sys.stderr)
+        tell(NO_COMPILER)
     return library
 
 
@@ -154,7 +165,7 @@ def restore_modes(scene_json: str, wanted: bool = True) -> Restored:
         return Restored(sources, why=str(error))
 
 
-def open_variants(name: str, changes: dict[str, str], opened: Opened) -> "list[Variant]":
+def open_variants(changes: dict[str, str], opened: Opened) -> "list[Variant]":
     """Build a scene and what it is with each of its effects left out; what is not possible keeps its reason."""
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import obtain
@@ -170,8 +181,10 @@ def open_variants(name: str, changes: dict[str, str], opened: Opened) -> "list[V
         for k, item in enumerate(found, start=1):
             key = (item.effect, item.value, item.without)
             try:
-                model = build_model(load_scene(name, changes | {f"effects.{item.effect}": item.without}))
+                model = build_model(load_scene(opened.source, changes | {f"effects.{item.effect}": item.without}))
                 made = Variant(*key, build(obtain(model)), model.values(), tables=model.tables)
+            except MachineError:
+                raise
             except LtcgearError as error:
                 made = Variant(*key, None, {}, str(error))
             variants.append(made)

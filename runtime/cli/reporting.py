@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output
 
 from .. import present
-from ..options import AsJson, ResultPath
-from ..results import check_target
+from ..options import AsJson, Force, ResultPath
 from ..results import load as load_result
+from ..terminal import say
 from .app import app
 from .opening import restore_modes
 
@@ -29,20 +30,25 @@ Modes = Annotated[bool, typer.Option("--modes/--no-modes", help="Show mode shape
 
 @app.command()
 def report(
-    file: ResultPath, output: PageFile = None, at: At = None, modes: Modes = True, as_json: AsJson = False
+    file: ResultPath,
+    output: PageFile = None,
+    at: At = None,
+    modes: Modes = True,
+    force: Force = False,
+    as_json: AsJson = False,
 ) -> None:
     """Write a result as one page of HTML: stages in motion, figures, tables, the scene. It needs no network."""
     from ..report.page import check_templates, write_report
 
-    target = file.parent / f"{file.stem}.html" if output is None else output
-    check_target(target, file)
+    target = file.with_name(f"{file.stem}.html") if output is None and file.name else output or file
+    check_output(target, file)
     if target.suffix not in (".html", ".htm"):
         raise LtcgearError(f"{target}: a report is a page of HTML; name it {target.with_suffix('.html')}")
     check_templates()
     result = load_result(file)
     write_report(result, target, find_background(result, modes), at)
     data = {"result": str(file), "file": str(target), "bytes": target.stat().st_size}
-    present.show(as_json, data, lambda shown: print(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))
+    present.show(as_json, data, lambda shown: say(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))
 
 
 def find_background(result: "Result", modes: bool) -> "Background":

@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import is_forced, make_folder
 
 from .. import present
-from ..options import SHORTEST_PAPER, AsJson, Changes, Method, PaperEnd, ResultFolder
+from ..options import SHORTEST_PAPER, AsJson, Changes, Force, Method, PaperEnd, ResultFolder
 from . import running
-from .app import InterruptedRunError, app
+from .app import app
 from .linear import open_linear
 from .opening import compile_model, open_scene, split_changes
 
@@ -34,13 +35,14 @@ def paper(
     method: Method = "erk",
     quick: Quick = False,
     changes: Changes = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Reproduce the paper: its tables and figures beside the simulated ones, on one page (paper.html)."""
     from ..comparison import compare
     from ..paper.page import check_page
     from ..plots import overview_figure, paper_figures
-    from ..results import load, make_folder
+    from ..results import load
     from ..simulation import check_options
 
     if not t_end >= SHORTEST_PAPER:
@@ -54,8 +56,8 @@ def paper(
     summaries, results = {}, {}
     for rig, scene in rigs.items():
         file = output / f"{scene}.nc"
-        summaries[rig] = running.run(scene, changes, file, t_end, method, 1e-6)
-        _finished(summaries[rig], file)
+        summaries[rig] = running.run(scene, changes, file, t_end, method, 1e-6, resume=_is_begun(file))
+        running.finished(summaries[rig])
         results[rig] = load(file)
     dataset = results["assumed"].dataset
     tables = compare(dataset)
@@ -69,16 +71,12 @@ def paper(
     present.show(as_json, data, lambda shown: present.paper_run(shown, tables))
 
 
-def _finished(summary: dict[str, Any], file: Path) -> None:
-    """Stop where a run did not reach its end; nobody goes on with a stopped one, so nothing of it stays."""
+def _is_begun(file: Path) -> bool:
+    """Say whether a run was stopped or killed that the same command goes on with."""
     from ..checkpoint import checkpoint_of
     from ..part import part_of
 
-    if summary["status"].startswith("interrupted"):
-        for path in (file, part_of(file), checkpoint_of(file)):
-            path.unlink(missing_ok=True)
-        raise InterruptedRunError("stopped; nothing of the run is kept")
-    running.finished(summary)
+    return part_of(file).is_file() and checkpoint_of(file).is_file() and not is_forced()
 
 
 def _write_page(results: Mapping[str, "Result"], changes: list[str] | None, path: Path) -> Path:

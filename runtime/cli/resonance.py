@@ -7,10 +7,12 @@ from typing import Annotated, Any
 
 import typer
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output, write_text
 
 from .. import present, present_resonance
-from ..options import AsJson, Changes, SceneName
+from ..options import AsJson, Changes, Force, SceneName
 from ..progress import progress
+from ..terminal import say
 from .app import app
 from .linear import open_linear
 from .opening import compile_model, open_scene
@@ -44,7 +46,8 @@ To = Annotated[float | None, typer.Option("--to", help="Highest frequency [Hz]."
 @app.command()
 def campbell(
     scene: SceneName, speed: SpeedRange = None, load: LoadRange = None, harmonics: Harmonics = 3,
-    sidebands: Sidebands = False, output: NumbersFile = None, changes: Changes = None, as_json: AsJson = False,
+    sidebands: Sidebands = False, output: NumbersFile = None, changes: Changes = None,
+    force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Follow eigenfrequencies over speed or load, and find where orders of the meshes meet them."""
     from ..linear.campbell import sweep_load, sweep_speed
@@ -58,8 +61,8 @@ def campbell(
         raise LtcgearError("campbell: both --speed and --load were given; give one of them")
     values = read_range("--speed", speed, "0:20:61") if speed is not None else None
     factors = read_range("--load", load, "0.2:2:31") if load is not None else None
-    _check_output(output)
-    opened = open_scene(scene, changes)
+    _check(output, scene)
+    opened = open_scene(scene, changes, output)
     library = compile_model(opened)
     p, tables = library.parameters(opened.model.values()), opened.model.tables
     with progress(f"linearise {opened.scene.name}", 100, "points") as told:
@@ -76,7 +79,7 @@ def campbell(
 @app.command()
 def response(
     scene: SceneName, excite: Excited, lowest: From = None, highest: To = None, output: NumbersFile = None,
-    changes: Changes = None, as_json: AsJson = False,
+    changes: Changes = None, force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Compute how forces answer to a sinusoidal error of a mesh [m], or to a ripple of a torque [N m]."""
     from ..linear.modes import find_modes
@@ -85,8 +88,8 @@ def response(
     from ..linear.resonance_figures import draw_response
     from ..linear.response import choose_frequencies, respond
 
-    _check_output(output)
-    opened = open_scene(scene, changes)
+    _check(output, scene)
+    opened = open_scene(scene, changes, output)
     linear = open_linear(opened)
     modes = describe_modes(linear, find_modes(linear))
     found = respond(linear, excite, choose_frequencies(modes, lowest, highest))
@@ -95,14 +98,13 @@ def response(
     _write(output, data, as_json, write_response, draw_response)
 
 
-def _check_output(path: Path | None) -> None:
+def _check(path: Path | None, scene: str) -> None:
     """Refuse a file that cannot be written, before anything is computed."""
     from ..linear.resonance import check_suffix
-    from ..results import check_target
 
     if path is not None:
+        check_output(path, scene)
         check_suffix(path)
-        check_target(path)
 
 
 def _write(
@@ -113,8 +115,8 @@ def _write(
     if path is None:
         return
     if path.suffix == ".json":
-        path.write_text(json.dumps(data) + "\n", encoding="utf-8")
+        write_text(json.dumps(data) + "\n", path)
     else:
         (write if path.suffix == ".csv" else draw)(data, path)
     if not as_json:
-        print(f"wrote {path}")
+        say(f"wrote {path}")

@@ -1,6 +1,5 @@
 """Commands that simulate: simulate, cost."""
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,8 @@ from ..options import (
     CostEnd,
     EndTime,
     FigureFile,
+    Force,
+    Long,
     Method,
     Raw,
     RecordFile,
@@ -43,14 +44,16 @@ def simulate(
     verify: Verify = False,
     accuracy: Accuracy = None,
     record: RecordFile = None,
+    long: Long = False,
     changes: Changes = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene from its loaded equilibrium. With -o, write the result as NetCDF4, as it comes."""
     sources = {name: context.get_parameter_source(name) for name in ("method", "rtol")}
     given = [f"--{name}" for name, source in sources.items() if source and source.name == "COMMANDLINE"]
     check_accuracy(accuracy, record, given)
-    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record)
+    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record, long)
     present.show(as_json, summary, present.simulated)
     finished(summary)
 
@@ -62,27 +65,14 @@ def finished(summary: dict[str, Any]) -> None:
         raise (InterruptedRunError if status.startswith("interrupted") else SolverError)(status)
 
 
-def _check_result(scene: str, output: Path | None, resume: bool) -> None:
+def _check_result(output: Path | None, resume: bool, *sources: Path | str | None) -> None:
     """Refuse a result file that cannot be written or gone on with, before anything is computed."""
-    from ..checkpoint import checkpoint_of
-    from ..part import part_of
-    from ..recording import check_resumable
-    from ..results import check_target
+    from ..recording import check_recordable
 
-    if output is None:
-        if resume:
-            raise LtcgearError("--resume: say which result is to go on, -o FILE.nc")
-        return
-    check_target(output, Path(scene))
-    if output.suffix != ".nc":
-        raise LtcgearError(f"{output}: results are NetCDF4 files; name it {output.with_suffix('.nc')}")
-    if resume:
-        check_resumable(output)
-    elif checkpoint_of(output).is_file():
-        print(
-            f"ltcgear: warning: {part_of(output)}: an unfinished run is begun anew; --resume goes on with it",
-            file=sys.stderr,
-        )
+    if output is not None:
+        check_recordable(output, resume, *sources)
+    elif resume:
+        raise LtcgearError("--resume: say which result is to go on, -o FILE.nc")
 
 
 def run(
@@ -97,6 +87,7 @@ def run(
     verify: bool = False,
     accuracy: str | None = None,
     record_file: Path | None = None,
+    long: bool = False,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
     from ..recording import record
@@ -104,8 +95,8 @@ def run(
     from ..simulation import simulate as simulate_model
 
     check_options(method, rtol, t_end)
-    _check_result(scene, output, resume)
-    opened = open_scene(scene, changes)
+    _check_result(output, resume, scene, record_file)
+    opened = open_scene(scene, changes, output)
     library = compile_model(opened)
     end = t_end if t_end is not None else opened.scene.simulation.t_end
     about = dict(opened.about)
@@ -126,9 +117,12 @@ def run(
             "told": told,
             "tables": opened.model.tables,
             "verify": verify,
+            "long": long,
         }
         if output is None:
             summary = simulate_model(library, opened.model.values(), **options).summary
+            if summary["status"].startswith("interrupted"):
+                summary["status"] += "; nothing is kept without -o"
         else:
             summary = record(library, opened.model.values(), output, resume=resume, **options)
     return {"scene": opened.scene.name, **summary, **told_of, "seconds": opened.seconds | summary["seconds"]}
@@ -141,6 +135,7 @@ def cost(
     t_end: CostEnd = 0.25,
     rtol: Tolerance = 1e-6,
     changes: Changes = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
@@ -150,9 +145,9 @@ def cost(
 
     check_options("erk", rtol, t_end)
     if output is not None:
-        check_figure(output)
-    opened = open_scene(scene, changes)
-    variants = open_variants(scene, split_changes(changes), opened)
+        check_figure(output, scene)
+    opened = open_scene(scene, changes, output)
+    variants = open_variants(split_changes(changes), opened)
     rate = rate_of(opened, compile_model(opened))
     with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
         rows = measure_costs(variants, t_end=t_end, rate=rate, rtol=rtol, told=told)

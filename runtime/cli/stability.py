@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from .. import present
-from ..options import AsJson, Changes, SceneName
+from ..options import AsJson, Changes, Force, SceneName
 from ..progress import progress
 from .app import app
 from .opening import Opened, compile_model, open_scene
@@ -35,7 +35,7 @@ StabilityFile = Annotated[
 @app.command()
 def stability(
     scene: SceneName, mesh: MeshName = None, speed: Speeds = None, variation: Variations = None,
-    output: StabilityFile = None, changes: Changes = None, as_json: AsJson = False,
+    output: StabilityFile = None, changes: Changes = None, force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell whether small motions grow under the varying mesh stiffness: Floquet multipliers, stability chart."""
     from ..linear.chart_figure import check_file
@@ -44,8 +44,8 @@ def stability(
     speeds = read_range("--speed", speed or "0", "100:600:60", single=True)
     variations = read_range("--variation", variation or "1", "0:2:40", single=True)
     if output is not None:
-        check_file(output)
-    opened = open_scene(scene, changes)
+        check_file(output, scene)
+    opened = open_scene(scene, changes, output)
     if len(speeds) == 1 and len(variations) == 1:
         _show_multipliers(opened, mesh, float(speeds[0]) if speed else None, float(variations[0]), output, as_json)
         return

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from ltcgear.generated.errors import SolverError
+from ltcgear.generated.writing import check_output, make_folder
 
 from .. import present
-from ..options import AsJson, Changes, EndTime, Method, Raw, SceneName, Tolerance
+from ..options import AsJson, Changes, EndTime, Force, Method, Raw, SceneName, Tolerance
 from ..progress import progress
-from ..results import make_folder
 from .app import InterruptedRunError, app
 from .opening import split_changes
 
 if TYPE_CHECKING:
     from ltcgear.symbolic.template import Template
 
-    from ..sweeping.run import Told
+    from ..sweeping.planning import Told
 
 Vary = Annotated[
     list[str],
@@ -41,12 +41,17 @@ Scheduler = Annotated[
     typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler whose workers compute.", show_default="none"),
 ]
 SweepFile = Annotated[Path, typer.Option("-o", "--output", help="NetCDF4 file to write or to go on with, .nc.")]
+Retry = Annotated[bool, typer.Option("--retry", help="Compute points that failed before again.")]
+Skip = Annotated[
+    list[int] | None,
+    typer.Option("--skip", metavar="POINT", help="Leave a point out, by its number.", show_default="none"),
+]
 Figures = Annotated[
     Path | None, typer.Option("--figures", metavar="DIR", help="Folder for figures.", show_default="none")
 ]
 
 SHOWN = 5
-"""Reasons of failed points that are shown."""
+"""Reasons of failed points, and kinds of warnings, that are shown."""
 
 
 @app.command()
@@ -64,27 +69,32 @@ def sweep(
     raw: Raw = False,
     workers: Workers = None,
     scheduler: Scheduler = None,
+    retry: Retry = False,
+    skip: Skip = None,
     figures: Figures = None,
     changes: Changes = None,
+    force: Force = False,
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene at many points, and keep metrics of each. Run again, it goes on where it was stopped."""
     from ltcgear.symbolic.template import Template
 
     from ..sweeping.run import sweep as sweep_scene
+    from ..sweeping.run import tell_kept
 
+    check_output(output, scene)
     template = Template(scene, split_changes(changes))
     _warn(template)
     if figures is not None:
         make_folder(figures)
     drawn: dict[str, Any] = {"sample": sample, "points": points, "seed": seed}
     runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "raw": raw}
-    runs |= {"workers": workers, "scheduler": scheduler}
+    runs |= {"workers": workers, "scheduler": scheduler, "retry": retry, "skip": skip or ()}
     try:
         with _bars(template.name) as told:
             summary = sweep_scene(template, vary, output, metrics=metric, told=told, **drawn, **runs)
     except KeyboardInterrupt:
-        raise InterruptedRunError("stopped; rows are kept, the same command goes on") from None
+        raise InterruptedRunError(f"stopped; {tell_kept(output)}") from None
     if figures is not None:
         summary["figures"] = _draw(output, figures)
     present.show(as_json, summary, _present)
@@ -146,8 +156,12 @@ def _present(summary: dict[str, Any]) -> None:
     present.listed(list_tables(load_sweep(Path(summary["file"]))), figures)
     for note in summary["notes"]:
         print(note)
-    for reason, count in list(summary["reasons"].items())[:SHOWN]:
-        print(f"failed, {count} of {summary['points']}: {reason}")
+    for word, told in (("failed", summary["reasons"]), ("warned", summary["warnings"])):
+        for text, count in list(told.items())[:SHOWN]:
+            print(f"{word}, {count} of {summary['points']}: {text}")
+        if len(told) > SHOWN:
+            print(f"{word}: {len(told) - SHOWN} more kinds; the file has all")
     kept = f", {summary['kept']} were there" if summary["kept"] else ""
     done = f"{summary['computed']} points computed" if summary["computed"] else "finished before, nothing computed"
-    print(f"{done}{kept}; {summary['failed']} failed; {summary['file']}")
+    warned = f", {summary['warned']} warned" if summary["warned"] else ""
+    print(f"{done}{kept}; {summary['failed']} failed{warned}; {summary['file']}")

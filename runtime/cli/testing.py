@@ -10,7 +10,7 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 
 from .. import present
-from ..options import AsJson, FigureFile
+from ..options import AsJson, FigureFile, Force
 from ..progress import progress
 from .app import app
 
@@ -58,7 +58,7 @@ def choose(wanted: list[str] | None, known: list[str], what: str) -> list[str]:
 @app.command()
 def selftest(
     full: Full = False, case: CaseNames = None, method: MethodNames = None, output: FigureFile = None,
-    as_json: AsJson = False,
+    force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Run the hard cases with every method. Exit code 1 if anything is wrong. With -o, draw the matrix."""
     from ..cost_figure import check_figure

@@ -1,12 +1,11 @@
 """Binary: the C of an FMU compiled for whatever Linux machine of this kind."""
 
 import platform
-import subprocess
-import tempfile
 from collections.abc import Mapping
-from pathlib import Path
 
 from ltcgear.generated import store
+from ltcgear.generated.compiler import run_compiler, seconds_for
+from ltcgear.generated.drafts import draft, told
 from ltcgear.generated.errors import CompileError, LtcgearError
 
 FLAGS = (
@@ -38,22 +37,25 @@ def compile_fmu(sources: Mapping[str, str], exchange: bool) -> bytes:
     Raises
     ------
     CompileError
-        If the compiler refuses it.
-    LtcgearError
-        If there is none.
+        If the compiler refuses it or does not end, or there is none.
+    MachineError
+        If the store, in which it is made, cannot be written.
     """
     compiler = require_compiler()
-    with tempfile.TemporaryDirectory(prefix="ltcgear-") as folder:
+    parent = store.root()
+    with told(parent), draft(parent) as folder:
         for name, text in sources.items():
-            Path(folder, name).write_text(text, encoding="utf-8")
+            (folder / name).write_text(text, encoding="utf-8")
         prefix = "fmi3" if exchange else "fmi2"
-        Path(folder, EXPORTS).write_text(f"{{ global: {prefix}*; local: *; }};\n", encoding="ascii")
-        files = [name for name in sources if name.endswith(".c")]
-        command = [compiler.path, *FLAGS, f"-Wl,--version-script={EXPORTS}", *files, "-o", "model.so", *store.LIBRARIES]
-        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        if run.returncode != 0:
-            raise CompileError(f"{compiler.path} refused the C of the FMU: {run.stderr.strip()[:2000]}")
-        return Path(folder, "model.so").read_bytes()
+        (folder / EXPORTS).write_text(f"{{ global: {prefix}*; local: *; }};\n", encoding="ascii")
+        files, made = [name for name in sources if name.endswith(".c")], folder / "model.so"
+        script = f"-Wl,--version-script={EXPORTS}"
+        command = [*compiler.command, *FLAGS, script, *files, "-o", made.name, *store.LIBRARIES]
+        ended = run_compiler(command, seconds_for(sum(map(len, sources.values()))), folder)
+        if ended.code != 0:
+            raise CompileError(f"{compiler.name} refused the C of the FMU ({ended.how})")
+        store.check_library(made, compiler)
+        return made.read_bytes()
 
 
 def require_compiler() -> store.Compiler:
@@ -61,10 +63,10 @@ def require_compiler() -> store.Compiler:
 
     Raises
     ------
-    LtcgearError
+    CompileError
         If there is none.
     """
     compiler = store.compiler()
     if compiler is None:
-        raise LtcgearError(NEEDED)
+        raise CompileError(NEEDED)
     return compiler

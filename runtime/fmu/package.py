@@ -9,11 +9,11 @@ from typing import Any
 
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.store import digest
+from ltcgear.generated.writing import check_output, written_whole
 
 from ..guard import MOST_STEPS, REACH
 from ..library import Library
 from ..plain.data import Run
-from ..results import check_target, written_whole
 from ..scaling import fastest
 from ..signals import Pairs
 from .binary import compile_fmu, platform_of, require_compiler
@@ -143,11 +143,11 @@ def check_kind(kind: str) -> bool:
     return kind == MODEL_EXCHANGE
 
 
-def check_fmu(path: Path, source: Path | None = None) -> None:
+def check_fmu(path: Path, *sources: str) -> None:
     """Refuse a file that cannot be written, of another suffix, or that is the source itself."""
+    check_output(path, *sources)
     if path.suffix != ".fmu":
         raise LtcgearError(f"{path}: FMUs have their own suffix; name it {path.with_suffix('.fmu')}")
-    check_target(path, source)
 
 
 def _pack(path: Path, files: Mapping[str, bytes]) -> None:

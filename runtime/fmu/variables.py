@@ -8,10 +8,10 @@ from functools import cached_property
 from ltcgear.generated.contract import Manifest
 from ltcgear.generated.errors import LtcgearError
 
+from ..bounds import ANY, bounds_of
 from ..dataset import speed_ratio
 from ..equilibrium import find_equilibrium
 from ..library import Library
-from ..plain.bounds import ANY, bounds_of
 from ..plain.data import Run, fixed_parameters
 from ..quantities import LONG_NAMES
 from ..scaling import vibration_scale

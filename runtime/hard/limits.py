@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from ltcgear.generated.errors import LtcgearError, SolverError
+from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
 from numpy.typing import NDArray
 
 from ..batch import over_time
@@ -142,6 +142,8 @@ def _refusal(open_: Open, scene: str, changes: Mapping[str, str]) -> str:
     """Return why a scene cannot be had, empty where it can."""
     try:
         open_(scene, changes)
+    except MachineError:
+        raise
     except LtcgearError as error:
         return str(error)
     return ""

@@ -6,7 +6,7 @@ import re
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from ..plots import BLUE, ORANGE, SKY, VERMILLION
+from ..plots import BLUE, ORANGE, SKY, VERMILLION, make_canvas, save_figure
 from ..tables import Table
 from .suite import NO_METHOD, OK, REFUSED, SLOW, WRONG
 
@@ -95,13 +95,9 @@ def draw_matrix(data: Data, path: Path) -> Path:
     path
         File to write; its suffix is the format.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     methods = methods_of(data) or [NO_METHOD]
     size = (3.4 + 1.25 * len(methods), 1.2 + 0.42 * len(data["cases"]))
-    figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = make_canvas(*size)
     axes = figure.subplots()
     for number, case in enumerate(data["cases"]):
         for place, result in enumerate(row_of(case, methods)):
@@ -113,8 +109,7 @@ def draw_matrix(data: Data, path: Path) -> Path:
     axes.tick_params(length=0)
     axes.spines[:].set_visible(False)
     figure.supxlabel("value / limit of the finding that is nearest to its limit", fontsize=9, color=BLUE)
-    figure.savefig(path, dpi=150)
-    return path
+    return save_figure(figure, path)
 
 
 def _draw_cell(axes: Axes, x: int, y: int, result: Data) -> None:

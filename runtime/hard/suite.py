@@ -9,7 +9,7 @@ from multiprocessing import get_context
 from time import perf_counter
 from typing import Any
 
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ..integration import Trajectory
 from ..stepper import Counts
@@ -86,6 +86,8 @@ def run_case(case: HardCase, method: str, open_: Open, full: bool) -> Outcome:
     verdict, reason = OK, ""
     try:
         found += case.check(watched, method, full)
+    except MachineError:
+        raise
     except LtcgearError as error:
         verdict, reason = REFUSED, str(error)
     except Exception as error:  # whatever a case meets that was not foreseen is its finding

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output, write_rows
 
-from ..plots import BLUE, GREY, ORANGE, VERMILLION
-from ..results import check_target
+from ..plots import BLUE, GREY, ORANGE, VERMILLION, make_canvas, save_figure
 from .chart import RPM, Chart
 from .floquet import MARGIN
 
@@ -25,14 +24,15 @@ if TYPE_CHECKING:
 SUFFIXES = (".csv", ".png", ".svg", ".pdf")
 NAMED, DRAWN = 8, 16
 """Tongues that carry their names, and whose borders are drawn."""
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 KINDS = {"primary": ("-", BLUE), "combination": ("--", VERMILLION), "difference": (":", ORANGE)}
 
 
-def check_file(path: Path) -> None:
+def check_file(path: Path, *sources: str) -> None:
     """Refuse a file that cannot be written or has no known format, before anything is computed."""
+    check_output(path, *sources)
     if path.suffix not in SUFFIXES:
         raise LtcgearError(f"{path}: stability is written as {', '.join(SUFFIXES)}; name it {path.with_suffix('.png')}")
-    check_target(path)
 
 
 def write_chart(chart: Chart, title: str, path: Path) -> Path:
@@ -45,7 +45,7 @@ def write_chart(chart: Chart, title: str, path: Path) -> Path:
         for m, variation in enumerate(chart.variations)
     )
     head = ("speed [rpm]", "base frequency [Hz]", "variation", "largest multiplier", "growth [1/s]", "stable")
-    return _write_rows(path, head, rows)
+    return write_rows([head, *rows], path)
 
 
 def write_multipliers(found: Floquet, title: str, path: Path) -> Path:
@@ -53,15 +53,7 @@ def write_multipliers(found: Floquet, title: str, path: Path) -> Path:
     if path.suffix != ".csv":
         return draw_multipliers(found, title, path)
     rows = ((m.value.real, m.value.imag, m.growth, m.frequency_hz, m.mode or "") for m in found.multipliers)
-    return _write_rows(path, ("real part", "imaginary part", "growth [1/s]", "frequency [Hz]", "mode"), rows)
-
-
-def _write_rows(path: Path, head: tuple[str, ...], rows: Any) -> Path:  # noqa: ANN401
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(head)
-        writer.writerows(rows)
-    return path
+    return write_rows([("real part", "imaginary part", "growth [1/s]", "frequency [Hz]", "mode"), *rows], path)
 
 
 def draw_chart(chart: Chart, title: str, path: Path) -> Path:
@@ -76,7 +68,7 @@ def draw_chart(chart: Chart, title: str, path: Path) -> Path:
             chart.speeds / RPM, chart.variations, shown, cmap="YlOrBr", vmin=0.0,
             vmax=max(float(growth.max()), MARGIN), shading="nearest",
         )  # fmt: skip
-        figure.colorbar(mesh, ax=axes, label=r"growth in a period, $\ln|\mu|$ (white: stable)", pad=0.02)
+        figure.colorbar(mesh, ax=axes, label="growth in a period, ln |µ| (white: stable)", pad=0.02)
         _draw_tongues(axes, chart)
         axes.set_ylabel("stiffness variation [times the scene's]")
         axes.set_ylim(chart.variations[0], chart.variations[-1])
@@ -84,7 +76,7 @@ def draw_chart(chart: Chart, title: str, path: Path) -> Path:
         _scale_speeds(axes, chart)
     axes.set_title(title, loc="left", fontsize=11)
     _finish(axes)
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def _scale_speeds(axes: Axes, chart: Chart) -> None:
@@ -93,7 +85,7 @@ def _scale_speeds(axes: Axes, chart: Chart) -> None:
     axes.set_xlim(speeds[0], speeds[-1])
     axes.set_xlabel("speed of the reference [rpm]")
     above = axes.secondary_xaxis("top", functions=(partial(np.multiply, factor), partial(np.multiply, 1 / factor)))
-    above.set_xlabel(r"$\Omega/2\pi$, mesh frequency or one over the common period [Hz]")
+    above.set_xlabel("Ω/2π, mesh frequency or one over the common period [Hz]")
 
 
 def _draw_line(axes: Axes, chart: Chart) -> None:
@@ -102,7 +94,7 @@ def _draw_line(axes: Axes, chart: Chart) -> None:
     x = chart.speeds / RPM if along_speed else chart.variations
     axes.plot(x, chart.largest.ravel(), color=BLUE, lw=1.2, label="largest multiplier")
     axes.axhline(1.0, color="black", lw=0.8, label="border of stability")
-    axes.set_ylabel(r"largest $|\mu|$")
+    axes.set_ylabel("largest |µ|")
     if not along_speed:
         axes.set_xlabel("stiffness variation [times the scene's]")
 
@@ -131,18 +123,19 @@ def _draw_tongues(axes: Axes, chart: Chart) -> None:
 def _name(axes: Axes, tongue: Tongue, place: int) -> None:
     """Write a tongue's name over its middle, neighbours at different heights."""
     axes.annotate(
-        _mathtext(tongue), (abs(tongue.speed) / RPM, 0.985 - 0.06 * (place % 4)),
+        _in_symbols(tongue), (abs(tongue.speed) / RPM, 0.985 - 0.06 * (place % 4)),
         xycoords=axes.get_xaxis_transform(), ha="center", va="top", fontsize=8,
         bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.85}, annotation_clip=False,
     )  # fmt: skip
 
 
-def _mathtext(tongue: Tongue) -> str:
+def _in_symbols(tongue: Tongue) -> str:
     """Write a resonance in symbols."""
     (i, j), n = tongue.resonance.modes, tongue.resonance.order
-    sign = "-" if tongue.resonance.kind == "difference" else "+"
-    left = rf"2\omega_{{{i}}}" if tongue.resonance.kind == "primary" else rf"\omega_{{{i}}}{sign}\omega_{{{j}}}"
-    return rf"${left}={'' if n == 1 else n}\Omega$"
+    first, second = (f"ω{mode}".translate(LOWERED) for mode in (i, j))
+    sign = "−" if tongue.resonance.kind == "difference" else "+"  # noqa: RUF001
+    left = f"2{first}" if tongue.resonance.kind == "primary" else f"{first} {sign} {second}"
+    return f"{left} = {'' if n == 1 else n}Ω"
 
 
 def draw_multipliers(found: Floquet, title: str, path: Path) -> Path:
@@ -156,20 +149,16 @@ def draw_multipliers(found: Floquet, title: str, path: Path) -> Path:
             both = np.array([*values, *np.conj(values)])
             axes.plot(both.real, both.imag, mark, color=colour, ms=6, mec="white", label=label)
     axes.set_aspect("equal")
-    axes.set_xlabel(r"real part of $\mu$")
-    axes.set_ylabel(r"imaginary part of $\mu$")
+    axes.set_xlabel("real part of µ")
+    axes.set_ylabel("imaginary part of µ")
     axes.set_title(title, loc="left", fontsize=11)
     _finish(axes)
-    return _save(figure, path)
+    return save_figure(figure, path)
 
 
 def _canvas(width: float, height: float) -> tuple[Figure, Axes]:
     """Return an empty figure [in] outside pyplot's global state, and its axes."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = make_canvas(width, height)
     return figure, figure.add_subplot()
 
 
@@ -179,8 +168,3 @@ def _finish(axes: Axes) -> None:
     handles, _ = axes.get_legend_handles_labels()
     if handles:
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=3, frameon=False, fontsize=9)
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    figure.savefig(path, dpi=150)
-    return path

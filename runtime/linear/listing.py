@@ -1,10 +1,11 @@
 """Listing of modes: plain data for JSON, and a CSV file with a row for each mode."""
 
-import csv
 import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+from ltcgear.generated.writing import write_rows, write_text
 
 from .modes import Mode
 
@@ -35,8 +36,7 @@ def write_modes(data: dict[str, Any], path: Path) -> Path:
     each element.
     """
     if path.suffix == ".json":
-        path.write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", "utf-8")
-        return path
+        return write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", path)
     modes = data["modes"]
     shares = {
         f"{word} {name} []": (key, name)
@@ -44,11 +44,9 @@ def write_modes(data: dict[str, Any], path: Path) -> Path:
         for name in sorted({name for mode in modes for name in mode[key]})
     }
     head = ["mode []", "frequency [Hz]", "damping ratio []", "real part [1/s]", "imaginary part [rad/s]"]
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow([*head, "class", "name", "group []", "multiplicity []", *shares])
-        for k, mode in enumerate(modes, start=1):
-            numbers = [k, mode["frequency_hz"], mode["damping_ratio"], *mode["eigenvalue"]]
-            kind = [mode["class"], mode["name"], mode["group"], mode["multiplicity"]]
-            writer.writerow([*numbers, *kind, *(mode[key].get(name, 0.0) for key, name in shares.values())])
-    return path
+    rows: list[list[Any]] = [[*head, "class", "name", "group []", "multiplicity []", *shares]]
+    for k, mode in enumerate(modes, start=1):
+        numbers = [k, mode["frequency_hz"], mode["damping_ratio"], *mode["eigenvalue"]]
+        kind = [mode["class"], mode["name"], mode["group"], mode["multiplicity"]]
+        rows.append([*numbers, *kind, *(mode[key].get(name, 0.0) for key, name in shares.values())])
+    return write_rows(rows, path)

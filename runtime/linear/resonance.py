@@ -1,6 +1,5 @@
 """Resonance: what the Campbell diagram and the frequency response tell, as plain data for JSON, tables and figures."""
 
-import csv
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import write_rows
 
 from .campbell import UNITS, Campbell
 from .crossings import Crossing
@@ -134,7 +134,4 @@ def write_response(data: Data, path: Path) -> None:
 
 def _write(path: Path, head: list[str], columns: list[list[Any]]) -> None:
     """Write columns as CSV."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(head)
-        writer.writerows(zip(*columns, strict=True))
+    write_rows([head, *zip(*columns, strict=True)], path)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
+from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, make_canvas, save_figure
 from ..statistics import group_of
 from ..ties import order_by_size
 from .campbell import SPEED
@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 Data = dict[str, Any]
 COLOURS = {
@@ -51,7 +50,7 @@ def draw_campbell(data: Data, path: Path) -> None:
     path
         File to write; its suffix is the format.
     """
-    figure = _canvas(10.5, 6.5)
+    figure = make_canvas(10.5, 6.5)
     axes = figure.add_subplot()
     low, high = _limits(data, axes)
     values = np.array(data["values"])
@@ -71,7 +70,7 @@ def draw_campbell(data: Data, path: Path) -> None:
     axes.set_ylabel("frequency in the carriers' frames [Hz]")
     axes.grid(alpha=0.25, lw=0.5, which="both" if axes.get_yscale() == "log" else "major")
     axes.legend(loc="upper left", bbox_to_anchor=(1.09, 1.0), frameon=False, fontsize=8)
-    figure.savefig(path, dpi=130)
+    save_figure(figure, path, 130)
 
 
 def _limits(data: Data, axes: Axes) -> tuple[float, float]:
@@ -168,7 +167,7 @@ def draw_response(data: Data, path: Path) -> None:
     """
     panels = [(name, _strongest(data, quantities)) for name, quantities in PANELS]
     panels = [(name, curves) for name, curves in panels if curves]
-    figure = _canvas(10.5, 2.2 + 2.6 * len(panels))
+    figure = make_canvas(10.5, 2.2 + 2.6 * len(panels))
     grid = figure.subplots(1 + len(panels), 1, sharex=True, squeeze=False)[:, 0]
     places = [0, *range(2, 1 + len(panels))]
     for place, (name, curves) in zip(places, panels, strict=True):
@@ -183,7 +182,7 @@ def draw_response(data: Data, path: Path) -> None:
         axes.grid(alpha=0.25, lw=0.5, which="both")
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
-    figure.savefig(path, dpi=130)
+    save_figure(figure, path, 130)
 
 
 def _strongest(data: Data, quantities: tuple[str, ...]) -> list[Data]:
@@ -243,13 +242,3 @@ def _name_peaks(axes: Axes, data: Data, output: Data) -> None:
             mode = data["modes"][peak["mode"] - 1]
             label += f", mode {peak['mode']} ({mode['class']})"
         axes.plot([], [], " ", label=label)
-
-
-def _canvas(width: float, height: float) -> Figure:
-    """Return an empty figure [inch]."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure

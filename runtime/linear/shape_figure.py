@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
+from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, make_canvas, save_figure
 from ..sheet import lay_out
 from .shapes import exaggerate
 
@@ -42,17 +42,13 @@ def draw_shapes(linear: Linear, modes: list[Mode], numbers: list[int], title: st
     path
         File to write; its suffix is the format.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     sheet = lay_out(linear.library, linear.p)
     wide = sheet.width > 3 * sheet.height
     columns = 1 if len(numbers) == 1 else 2 if wide else 3
     rows = -(-len(numbers) // columns)
     width = 14.0
     height = width / columns * 1.32 * sheet.height / (sheet.width + 0.2 * sheet.height) + 0.5
-    figure = Figure(figsize=(width, rows * height + 0.8), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = make_canvas(width, rows * height + 0.8)
     panels = list(figure.subplots(rows, columns, squeeze=False).flat)
     for axes, number in zip(panels, numbers, strict=False):
         _draw(axes, sheet, exaggerate(linear, sheet, modes[number - 1]))
@@ -61,8 +57,7 @@ def draw_shapes(linear: Linear, modes: list[Mode], numbers: list[int], title: st
         axes.set_axis_off()
     figure.suptitle(f"{title}: mode shapes, exaggerated", x=0.01, ha="left", fontsize=12)
     _explain(figure, sheet)
-    figure.savefig(path, dpi=110)
-    return path
+    return save_figure(figure, path, 110)
 
 
 def caption(number: int, mode: Mode) -> str:

@@ -6,6 +6,8 @@ import json
 from html import escape
 from typing import TYPE_CHECKING
 
+from ltcgear.generated.writing import write_text
+
 from ..sheet import lay_out
 from .shape_figure import COLOURS, caption
 from .shapes import exaggerate
@@ -74,14 +76,14 @@ def write_page(linear: Linear, modes: list[Mode], numbers: list[int], title: str
         f'<b style="color:{COLOURS[part]}">{part}</b>' for part in dict.fromkeys(d.part for d in sheet.discs)
     )
     head = escape(f"{title}: mode shapes")
-    path.write_text(
+    return write_text(
         f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{head}</title>\n'
+        f'<meta name="generator" content="ltcgear">\n'
         f"<style>{STYLE}</style></head>\n<body><h1>{head}</h1>\n"
         f"<p>Exaggerated, slowed down, and all at one pace. Circles: {legend}; grey: at rest. "
         f"<button hidden>Stop</button></p>\n<main>\n{figures}\n</main>\n<script>{SCRIPT}</script></body></html>\n",
-        "utf-8",
+        path,
     )
-    return path
 
 
 def draw_mode(sheet: Sheet, number: int, mode: Mode, motions: dict[str, Motion]) -> str:

@@ -88,7 +88,7 @@ def draw_continuous(datasets: Mapping[str, "xr.Dataset"]) -> "Figure":
         axes.set_xlabel("time [s]")
         axes.grid(alpha=0.25, lw=0.5)
         axes.spines[["top", "right"]].set_visible(False)
-    panels[0].set_ylabel("mesh force [$10^5$ N]")
+    panels[0].set_ylabel("mesh force [10⁵ N]")
     handles, labels = panels[-1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
     figure.suptitle(f"Continuous running: each {BLOCK:g} s of a run by itself", x=0.01, ha="left", fontsize=11)

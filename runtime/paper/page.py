@@ -7,11 +7,12 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from ltcgear.generated.writing import write_text
 
 from ..analysis.lines import find_clues
 from ..comparison import compare, published
 from ..linear.response import respond
-from ..pages import open_templates, write_text
+from ..pages import open_templates
 from ..plots import draw_paper_figures
 from ..report.theme import themed, write_svg
 from ..statistics import steady_start, window
@@ -182,9 +183,7 @@ def _turns(dataset: "xr.Dataset") -> dict[str, float]:
 
 def _draw(material: Material, meshes: "Mapping[str, float]") -> dict[str, str]:
     """Draw all figures; return them as SVG by name."""
-    from matplotlib import rc_context
-
-    with themed(), rc_context({"text.parse_math": True}):
+    with themed():
         frequency = np.linspace(10.0, 700.0, 691)
         drawn: dict[str, Figure] = {
             f"{rig}-{number}": figure
@@ -201,11 +200,11 @@ def _draw(material: Material, meshes: "Mapping[str, float]") -> dict[str, str]:
             "fit": draw_fit(fitted()["unknowns"]),
         }
         for figure in drawn.values():
-            _write_plainly(figure)
+            _number_plainly(figure)
         return {name: write_svg(figure, name, _label(figure)) for name, figure in drawn.items()}
 
 
-def _write_plainly(figure: "Figure") -> None:
+def _number_plainly(figure: "Figure") -> None:
     """Write the numbers of logarithmic axes without raised exponents, which are no plain text."""
     for axes in figure.axes:
         if axes.get_yscale() == "log":

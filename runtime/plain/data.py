@@ -10,13 +10,13 @@ from ltcgear.generated.contract import Manifest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.store import digest
 
+from ..bounds import bounds_of
 from ..clocks import Course, read_courses
 from ..equilibrium import CLOSING, PULL, VARYING, Vector, find_equilibrium
 from ..library import Library
 from ..quantities import PHASES
 from ..sensitivity.ranking import is_continuous
 from ..signals import Pairs, insert_zeros
-from .bounds import bounds_of
 
 HEAD = """/* The scene {name}: names, numbers, loaded equilibrium; written by `ltcgear generate`, see ltcgear.h. */
 #include "ltcgear.h"

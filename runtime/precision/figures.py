@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
-from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
+from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, make_canvas, save_figure
 from .cheapest import LIMITS, find_cheapest
 from .errors import KINDS, value_of
 from .phases import PHASES
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 Data = dict[str, Any]
 STYLES = {
@@ -44,32 +43,21 @@ def draw_all(record: Data, folder: Path, suffix: str = ".png") -> list[Path]:
     """
     paths = []
     for name, draw in PANELS.items():
-        figure = _canvas(7.0, 4.8)
+        figure = make_canvas(7.0, 4.8)
         draw(figure.add_subplot(), record)
         paths.append(folder / f"{name}{suffix}")
-        figure.savefig(paths[-1], dpi=120)
+        save_figure(figure, paths[-1], 120)
     return [*paths, draw_overview(record, folder / f"overview{suffix}")]
 
 
 def draw_overview(record: Data, path: Path) -> Path:
     """Draw all panels on one sheet."""
-    figure = _canvas(15.5, 9.0)
+    figure = make_canvas(15.5, 9.0)
     for axes, draw in zip(figure.subplots(2, 3).flat, PANELS.values(), strict=True):
         draw(axes, record)
     about = f"{record['scene']}: {record['t_end']:g} s simulated, preset {record['preset']}"
     figure.suptitle(about, x=0.01, ha="left", fontsize=12)
-    figure.savefig(path, dpi=80)
-    return path
-
-
-def _canvas(width: float, height: float) -> Figure:
-    """Return an empty figure [inch]."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    return save_figure(figure, path, 80)
 
 
 def _curves(record: Data) -> Iterator[tuple[str, list[Data]]]:

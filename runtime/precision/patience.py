@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from time import perf_counter
 
-from ltcgear.generated.errors import LtcgearError, SolverError
+from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
 
 from ..hard.case import Bench
 from ..integration import Trajectory
@@ -70,6 +70,8 @@ class Patience:
         except OutOfTimeError as error:
             samples = round(float(f"{error.reached:.2g}") * rate)
             return samples / rate if samples >= FEWEST else t_end
+        except MachineError:
+            raise
         except LtcgearError:
             pass
         return t_end

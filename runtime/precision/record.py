@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any, TypeGuard
 
-from ltcgear.generated import store
+from ltcgear.generated import folders, store
 from ltcgear.generated.errors import LtcgearError
 
 from ..stepper import METHODS
@@ -37,7 +37,7 @@ def digest_numbers(scene_json: str) -> str:
 def write_record(record: Data, folder: Path) -> list[Path]:
     """Write ``accuracy.json`` and ``accuracy.csv`` into a folder."""
     texts = {"accuracy.json": to_text(record), "accuracy.csv": to_csv(record)}
-    store.write_folder(folder, texts)
+    folders.write_folder(folder, texts)
     return [folder / name for name in texts]
 
 
@@ -80,7 +80,7 @@ def kept_path(model: str, numbers: str) -> Path:
 def keep(record: Data) -> Path:
     """Put a record into the store, in place of an older one of the same model and numbers."""
     path = kept_path(record["model"], record["numbers"])
-    store.write_folder(path.parent, {path.name: to_text(record)})
+    folders.write_folder(path.parent, {path.name: to_text(record)})
     return path
 
 

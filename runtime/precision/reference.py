@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from ltcgear.generated.errors import LtcgearError, SolverError
+from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
 
 from ..accuracy import tell_parting
 from ..exact import Exact
@@ -125,6 +125,8 @@ def _tightest(
     for rtol in RTOLS:
         try:
             return [(method, rtol, patience.run(bench, method, rtol, t_end=times["t_end"], rate=times["rate"]))]
+        except MachineError:
+            raise
         except LtcgearError as error:
             failures.append(f"{method} at rtol {rtol:g}: {error}")
             if not isinstance(error, SolverError):

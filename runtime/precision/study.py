@@ -58,10 +58,11 @@ def run_study(bench: Bench, wanted: Wanted, told: Callable[[float], None] = lamb
         The record, as ``ltcgear accuracy --json`` prints it, but for its ``phases``.
     """
     preset = wanted.preset
-    t_end, auto = wanted.t_end, choose(bench.library, bench.at, bench.p, AUTO_RTOL).method
+    t_end = wanted.t_end
+    long = choose_time(bench, preset, wanted.rate, wanted.longest) if t_end is None else t_end
+    auto = choose(bench.library, bench.at, bench.p, AUTO_RTOL, bench.tables, long).method
     if t_end is None:
-        t_end = choose_time(bench, preset, wanted.rate, wanted.longest)
-        t_end = Patience(PILOT * preset.patience).reach(bench, auto, AUTO_RTOL, t_end=t_end, rate=wanted.rate)
+        t_end = Patience(PILOT * preset.patience).reach(bench, auto, AUTO_RTOL, t_end=long, rate=wanted.rate)
     reference = find_reference(bench, Patience(REFERENCE_PATIENCE * preset.patience), t_end=t_end, rate=wanted.rate)
     told(0.1)
     sweep = Sweep(

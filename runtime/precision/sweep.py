@@ -7,7 +7,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ..clocks import Clocks
 from ..hard.case import Bench
@@ -106,6 +106,8 @@ class Sweep:
             return
         try:
             path = self.patience.run(bench, point.method, point.rtol, t_end=self.t_end, rate=self.rate)
+        except MachineError:
+            raise
         except LtcgearError as error:
             point.reason = str(error)
             if isinstance(error, OutOfTimeError):
@@ -122,6 +124,8 @@ class Sweep:
         try:
             point.integrator.append(run(rate=1 / self.t_end).seconds["integrate"])
             path = run(rate=self.rate)
+        except MachineError:
+            raise
         except LtcgearError:
             point.integrator.clear()
             point.user.clear()

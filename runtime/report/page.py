@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import write_text
 
-from ..pages import open_templates, read_asset, write_text
+from ..pages import open_templates, read_asset
 from ..rounding import round_statistics, without_rounding
 from .film import choose_windows, magnify, make_track, pack
 from .heading import describe_run, list_versions

@@ -8,6 +8,8 @@ from io import BytesIO
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
+from ..plots import write_plainly
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -61,6 +63,7 @@ def write_svg(figure: Figure, name: str, label: str) -> str:
     """
     import matplotlib as mpl
 
+    write_plainly(figure)
     draft = BytesIO()
     with mpl.rc_context(STYLE | {"svg.hashsalt": name}):
         figure.savefig(draft, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})

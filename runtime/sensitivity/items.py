@@ -97,7 +97,7 @@ def list_output(
     check_measure(measure, start, end)
     place = find_output(library.manifest, output)
     at = find_equilibrium(library, p, tables=tables)
-    chosen = choose(library, at, p, rtol).method if method == AUTO else method
+    chosen = choose(library, at, p, rtol, tables, end).method if method == AUTO else method
     found = differentiate_output(
         library, p, at, place, measure=measure, start=start, t_end=end, method=chosen, rtol=rtol, tables=tables
     )

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import csv
 from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output, write_rows
 
-from ..plots import BLUE, VERMILLION
-from ..results import check_target
+from ..plots import BLUE, VERMILLION, make_canvas, save_figure
 from ..tables import Table
 from ..ties import order_by_size
 
@@ -25,12 +24,12 @@ PANELS = 6
 Item = dict[str, Any]
 
 
-def check_listing(path: Path) -> None:
+def check_listing(path: Path, *sources: str) -> None:
     """Refuse a file that cannot be written or has no known format, before anything is computed."""
+    check_output(path, *sources)
     if path.suffix not in (".csv", *FIGURES):
         formats = ", ".join((".csv", *FIGURES))
         raise LtcgearError(f"{path}: sensitivities are written as {formats}; name it {path.with_suffix('.csv')}")
-    check_target(path)
 
 
 def chosen(item: Item, kind: str) -> list[Item]:
@@ -120,27 +119,23 @@ def write_listing(data: dict[str, Any], path: Path, top: int) -> Path:
 def _write_csv(data: dict[str, Any], path: Path) -> None:
     """Write a line for each number and parameter."""
     beside = list(dict.fromkeys(name for item in data["items"] for row in item["influences"] for name in row["beside"]))
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        about = ["name", "number", "number_unit", "parameter", "value", "unit", "kind"]
-        writer.writerow([*about, "derivative", "percent_for_percent", *beside])
-        for item in data["items"]:
-            for row in item["influences"]:
-                given = [row["parameter"], row["value"], row["unit"], row["kind"], row["derivative"], row["relative"]]
-                writer.writerow([item["name"], item["value"], item["unit"], *given, *row["beside"].values()])
+    about = ["name", "number", "number_unit", "parameter", "value", "unit", "kind"]
+    rows = [[*about, "derivative", "percent_for_percent", *beside]]
+    for item in data["items"]:
+        for row in item["influences"]:
+            given = [row["parameter"], row["value"], row["unit"], row["kind"], row["derivative"], row["relative"]]
+            rows.append([item["name"], item["value"], item["unit"], *given, *row["beside"].values()])
+    write_rows(rows, path)
 
 
 def _draw(data: dict[str, Any], path: Path, top: int) -> None:
     """Draw the strongest sizes of the first numbers as bars."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
     from matplotlib.patches import Patch
 
     items = _unlike(data["items"], top)[:PANELS]
     columns = min(len(items), 2)
     rows = -(-len(items) // columns)
-    figure = Figure(figsize=(7.5 * columns, rows * (1.0 + 0.28 * top) + 0.6), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = make_canvas(7.5 * columns, rows * (1.0 + 0.28 * top) + 0.6)
     for axes, item in zip(figure.subplots(rows, columns, squeeze=False).flat, items, strict=False):
         _bars(axes, item, top)
     for axes in figure.axes[len(items) :]:
@@ -148,7 +143,7 @@ def _draw(data: dict[str, Any], path: Path, top: int) -> None:
     figure.suptitle(f"{data['scene']}: {data['title']}", x=0.01, ha="left", fontsize=12)
     handles = [Patch(color=colour, label=label) for label, colour in (("raises it", BLUE), ("lowers it", VERMILLION))]
     figure.legend(handles=handles, loc="outside lower right", ncols=2, frameon=False, fontsize=9)
-    figure.savefig(path, dpi=150)
+    save_figure(figure, path)
 
 
 def _unlike(items: list[Item], top: int) -> list[Item]:

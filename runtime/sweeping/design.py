@@ -24,6 +24,8 @@ SAMPLES = {
 PAIRED = ("sobol", "saltelli")
 """Samples that are even only for powers of two."""
 INSTALL = "pip install 'ltcgear[sweep]'"
+TOLD = 4
+"""Values of a point that a message names."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +83,12 @@ class Design:
     def changes(self, point: int) -> dict[str, str]:
         """Return what a point puts in place of the scene's values, as ``load_scene(changes=...)`` takes it."""
         return {axis.key: axis.write(float(value)) for axis, value in zip(self.axes, self.values[point], strict=True)}
+
+    def tell(self, point: int) -> str:
+        """Return a point as messages name it, with the first few of its values."""
+        told = [f"{key}={value}" for key, value in self.changes(point).items()]
+        more = [f"{len(told) - TOLD} more"] if len(told) > TOLD else []
+        return f"point {point} ({', '.join([*told[:TOLD], *more])})"
 
     def ends(self) -> list[dict[str, str]]:
         """Return the changes of points that reach all bounds: for each axis its extremes, all items of a list.

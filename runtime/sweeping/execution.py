@@ -1,5 +1,6 @@
 """Execution: points over local processes, by joblib, or the workers of a cluster; dead workers are outlived."""
 
+import re
 import signal
 import warnings
 from collections.abc import Generator, Iterator, Sequence
@@ -9,10 +10,15 @@ from typing import Any, Protocol
 
 from ltcgear.generated.errors import LtcgearError
 
+from .faults import is_crash
 from .task import Outcome, Plan, forget_plan, keep_plan, run_point, start_process
 
 INSTALL = "pip install 'ltcgear[sweep]'"
 DIED = "the process died that computed this point, twice; {}"
+KILLED = "killed"
+"""Status of a point whose process was killed from outside, twice."""
+SIGNAL = re.compile(r"([A-Z]+)\(-?\d+\)")
+"""How joblib tells by what a process ended."""
 
 
 class Pool(Protocol):
@@ -111,7 +117,8 @@ def compute_points(plan: Plan, points: Sequence[int], pool: Pool) -> Iterator[Ou
     """Compute points; they come as they are done.
 
     Where a worker dies, the points that were under way are computed again one by one, so that the one that kills its
-    worker is known; it gets a reason in place of numbers. All others go on.
+    worker is known. One that crashes it gets a reason in place of numbers; one whose worker is killed from outside, as
+    where memory runs out, is `KILLED`, which is no row. All others go on.
     """
     name, data = plan.pack()
     with pool.serve(name, data) as server:
@@ -134,8 +141,8 @@ def _run_alone(server: Server, name: str, point: int, deaths: tuple[type[Excepti
     try:
         [outcome] = server.run(name, [point], [])
     except deaths as error:
-        reason = str(error).strip().splitlines()
-        return Outcome(point, DIED.format(reason[0] if reason else type(error).__name__))
+        signals = SIGNAL.findall(str(error))
+        return Outcome(point, DIED.format(", ".join(sorted(set(signals)))) if is_crash(signals) else KILLED)
     return outcome
 
 

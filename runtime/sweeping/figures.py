@@ -12,22 +12,25 @@ from numpy.typing import NDArray
 from ..analysis.drawing import HEIGHT, WIDTH, dash_of, label_axes, scale_of, style_of
 from ..analysis.spectrum_figures import ROWS, draw_waterfall
 from ..analysis.waterfall import Waterfall
-from ..plots import BLUE, ORANGE, finish_axes, make_canvas
+from ..plots import VERMILLION, finish_axes, make_canvas
 from ..spectra import noise_bandwidth
 from ..statistics import group_of
 from ..ties import order_by_size
 from .axes import Axis
 from .influence import FLAT, Influence, find_influences
+from .influence_figures import PANELS, draw_influences
 from .reading import (
+    WARNINGS,
     FloatArray,
     Numbers,
     choose_shown,
     design_of,
     is_done,
+    is_warned,
     is_whole,
     list_numbers,
     list_spectra,
-    shorten,
+    tell_warned,
 )
 
 if TYPE_CHECKING:
@@ -35,8 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
-PANELS = 4
-"""Maps and groups of bars that a figure has at most."""
 BINS = 40
 SHIFT = 0.06
 """Distance of points that belong to one word [distance of words]."""
@@ -74,6 +75,8 @@ def draw_sweep(dataset: Dataset) -> dict[str, Figure]:
         figures |= {_file_name(name): draw_spectra(dataset, name) for name in list_spectra(dataset)}
     if design.sample == "saltelli":
         figures |= _draw_influences(dataset, metrics)
+    for figure in figures.values():
+        figure.supxlabel("; ".join(tell_warned(dataset)), fontsize=8, color=VERMILLION)
     return figures
 
 
@@ -191,8 +194,20 @@ def _told(dataset: Dataset) -> str:
 
 def draw_response(dataset: Dataset, metric: str) -> Figure:
     """Draw a metric over the one axis that is varied, a line for each item."""
-    axis = design_of(dataset).varied[0]
-    return _draw_over(dataset, metric, axis, dataset[axis.key].values, _plot)
+    axis, warned = design_of(dataset).varied[0], is_warned(dataset)
+
+    def plot(axes: Axes, place: FloatArray, values: FloatArray, **style: Any) -> None:  # noqa: ANN401
+        axes.plot(place, values, **style)
+        _mark(axes, place[warned], values[warned])
+
+    return _draw_over(dataset, metric, axis, dataset[axis.key].values, plot)
+
+
+def _mark(axes: Axes, x: FloatArray, y: FloatArray) -> None:
+    """Mark points whose runs are warned about."""
+    known = np.isfinite(x) & np.isfinite(y)
+    if known.any():
+        axes.plot(x[known], y[known], ls="none", marker="x", ms=8.0, color="black", gid=WARNINGS)
 
 
 def draw_bands(dataset: Dataset, metric: str) -> Figure:
@@ -213,11 +228,6 @@ def _quantiles(values: FloatArray) -> FloatArray:
     """Return the 5, 50 and 95 % quantiles; NaN where there are no values."""
     kept = values[np.isfinite(values)]
     return np.quantile(kept, [0.05, 0.5, 0.95]) if kept.size else np.full(3, np.nan)
-
-
-def _plot(axes: Axes, place: FloatArray, values: FloatArray, **style: Any) -> None:  # noqa: ANN401
-    """Draw points and the line through them."""
-    axes.plot(place, values, **style)
 
 
 def _draw_over(dataset: Dataset, metric: str, axis: Axis, levels: NDArray[Any], plot: Callable[..., None]) -> Figure:
@@ -244,7 +254,9 @@ def _draw_over(dataset: Dataset, metric: str, axis: Axis, levels: NDArray[Any], 
 
 def draw_map(dataset: Dataset, metric: str) -> Figure:
     """Draw a metric of a finished sweep over the two axes that vary, a panel for each item, those that vary most."""
-    one, other = design_of(dataset).varied
+    design = design_of(dataset)
+    one, other = design.varied
+    marked = [design.values[is_warned(dataset), design.axes.index(axis)] for axis in design.varied]
     known = [one for one in _numbers_of(dataset, metric) if np.isfinite(one.values).any()]
     order = order_by_size([np.nanmax(one.values) - np.nanmin(one.values) for one in known])
     numbers = [known[k] for k in order[:PANELS]]
@@ -257,6 +269,7 @@ def draw_map(dataset: Dataset, metric: str) -> Figure:
     shape = one.places.size, other.places.size
     for axes, number, some in zip(panels.flat, numbers, values, strict=False):
         image = axes.pcolormesh(*_edges(one, other), some.reshape(shape).T, vmin=low, vmax=high, cmap="cividis")
+        _mark(axes, *marked)
         label_axes(axes, number.item or metric, _varied(dataset, one), _varied(dataset, other))
         _name_places(axes, one, other)
     for axes in panels.flat[len(numbers) :]:
@@ -346,42 +359,3 @@ def _draw_influences(dataset: Dataset, metrics: list[str]) -> dict[str, Figure]:
 def _vary(found: list[Influence]) -> bool:
     """Say whether any of some numbers varies."""
     return any(np.isfinite(one.first).all() for one in found)
-
-
-def draw_influences(found: list[Influence]) -> Figure:
-    """Draw first-order and total Sobol indices with their confidence, a panel for each number, the first few.
-
-    Parameters
-    ----------
-    found
-        Of one metric, from ``find_influences``.
-    """
-    shown = [one for one in found if np.isfinite(one.first).all()][:PANELS]
-    keys = shown[0].axes
-    columns = min(len(shown), 2)
-    rows = -(-len(shown) // columns)
-    figure = make_canvas(WIDTH * (0.8 + 0.4 * (columns - 1)), rows * (1.2 + 0.55 * len(keys)) + 0.5)
-    panels = figure.subplots(rows, columns, squeeze=False, sharey=True, sharex=True)
-    place, prefix, names = np.arange(len(keys)), *shorten(keys)
-    for axes, one in zip(panels.flat, shown, strict=False):
-        for shift, colour, label, value, half in (
-            (-0.2, BLUE, "first order", one.first, one.first_confidence),
-            (0.2, ORANGE, "total", one.total, one.total_confidence),
-        ):
-            axes.barh(place + shift, value, 0.36, xerr=half, color=colour, label=label, capsize=2.0, ecolor="black",
-                      error_kw={"lw": 0.9})  # fmt: skip
-        axes.set_yticks(place, names, fontsize=9)
-        label_axes(axes, one.item or one.metric, "share of the variance [1]", "")
-        axes.grid(axis="x", alpha=0.25, lw=0.5)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
-    panels.flat[0].invert_yaxis()
-    for axes in panels.flat[len(shown) :]:
-        axes.set_visible(False)
-    handles, labels = panels.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower right", ncols=2, frameon=False, fontsize=9)
-    whose = f" of keys of {prefix.removesuffix('.')}" if prefix else ""
-    figure.suptitle(
-        f"{shown[0].metric}: Sobol indices{whose}, {shown[0].blocks} blocks", x=0.01, ha="left", fontsize=11
-    )
-    return figure

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,20 @@ from ..attributes import finite
 from ..statistics import group_of
 from ..tables import Cell, Table
 from .influence import LEVEL, Influence, find_influences
-from .reading import DONE, STATUS, Numbers, choose_shown, design_of, is_done, list_numbers, shorten
+from .reading import (
+    DONE,
+    STATUS,
+    Numbers,
+    choose_shown,
+    design_of,
+    is_done,
+    is_warned,
+    keeps_warnings,
+    list_numbers,
+    list_warnings,
+    shorten,
+    tell_warned,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,6 +36,10 @@ if TYPE_CHECKING:
 STATISTICS = ("mean", "std", "min", "p5", "median", "p95", "max")
 """Of a number over the points, in the order of columns."""
 HEADINGS = ("mean", "deviation", "min", "5 %", "median", "95 %", "max")
+DIGITS = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+"""Numbers in a warning."""
+MARK = "!"
+"""What a table puts after the row of a run that is warned about."""
 ROWS = 32
 """Rows that a table over an axis has at most."""
 
@@ -32,7 +50,8 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``points``, ``failed``, ``reasons`` (text -> runs), ``metrics`` (metric -> unit and, by item or for the
+        ``points``, ``failed``, ``reasons`` (text -> runs), ``warned`` (runs; None where an older file kept none),
+        ``warnings`` (see `gather_warnings`), ``metrics`` (metric -> unit and, by item or for the
         number itself, `STATISTICS` over the points that are done; NaN is null) and, of the sample ``saltelli``,
         ``influences`` (see ``influence.Influence``) or, where too many runs failed for any, ``without_influences``,
         which tells so.
@@ -46,7 +65,8 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
         else:
             one |= gather(number, done)
     found: dict[str, Any] = {"points": int(done.size), "failed": int((~done).sum()), "reasons": list_reasons(dataset)}
-    found |= {"metrics": metrics}
+    found["warned"] = int(is_warned(dataset).sum()) if keeps_warnings(dataset) else None
+    found |= {"warnings": gather_warnings(dataset), "metrics": metrics}
     influences, refused = _seek_influences(dataset, None)
     if influences:
         found["influences"] = [_plain(one) for one in influences]
@@ -80,6 +100,21 @@ def gather(number: Numbers, done: NDArray[np.bool_]) -> dict[str, float]:
 def list_reasons(dataset: xr.Dataset) -> dict[str, int]:
     """Return why runs failed, and how many for each reason, the most frequent first."""
     return dict(Counter(str(one) for one in dataset[STATUS].values if str(one) != DONE).most_common())
+
+
+def gather_warnings(dataset: xr.Dataset) -> dict[str, int]:
+    """Return what runs are warned about, and how many for each kind, the most frequent first.
+
+    Warnings that differ in their numbers only are of one kind, and are told by the first of them.
+    """
+    first: dict[str, str] = {}
+    counts: Counter[str] = Counter()
+    for lines in list_warnings(dataset):
+        kinds = {DIGITS.sub("#", line): line for line in reversed(lines)}
+        for kind, line in kinds.items():
+            first.setdefault(kind, line)
+        counts.update(kinds.keys())
+    return {first[kind]: count for kind, count in counts.most_common()}
 
 
 def _plain(one: Influence) -> dict[str, Any]:
@@ -133,7 +168,7 @@ def _over_points(dataset: xr.Dataset, own: list[Numbers]) -> Table:
         rows.append((number.item or "all", *(_round(found[name] / size) for name in STATISTICS)))
     crossed = [axis.key for axis in design_of(dataset).varied if axis.crossed]
     pooled = (f"over all values of {', '.join(crossed)}",) if crossed else ()
-    return Table(title, ("", *HEADINGS), tuple(rows), (*pooled, *_told(done)))
+    return Table(title, ("", *HEADINGS), tuple(rows), (*pooled, *_tell_doubts(dataset)))
 
 
 def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
@@ -142,10 +177,11 @@ def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     title, size = _head(own)
     coordinate = dataset[axis.key]
     unit = coordinate.attrs.get("units", "")
-    stride = -(-coordinate.size // ROWS)
+    stride, warned = -(-coordinate.size // ROWS), is_warned(dataset)
+    marks = [(MARK if one else "",) for one in warned] if warned.any() else [()] * coordinate.size
     rows = tuple(
-        (_cell(coordinate.values[place]), *(_round(float(number.values[place]) / size) for number in own))
-        for place in range(0, coordinate.size, stride)
+        (_cell(coordinate.values[at]), *(_round(float(number.values[at]) / size) for number in own), *marks[at])
+        for at in range(0, coordinate.size, stride)
     )
     shown = (f"one point of {stride}; the file has all",) if stride > 1 else ()
     heading = f"{axis.key} [{unit}]" if unit else axis.key
@@ -153,8 +189,8 @@ def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     numbered = all(one.item.startswith(f"{group}.") for one in own)  # planets, told by their numbers below the group
     names = [one.item.removeprefix(f"{group}.") if numbered else one.item or one.metric for one in own]
     title = f"{title}, {group}" if numbered else title
-    columns = (heading, *names)
-    return Table(title, columns, rows, (*shown, *_told(is_done(dataset))))
+    columns = (heading, *names, *([""] if warned.any() else []))
+    return Table(title, columns, rows, (*shown, *_tell_doubts(dataset)))
 
 
 def _round(value: float) -> float:
@@ -169,10 +205,11 @@ def _cell(value: Any) -> Cell:  # noqa: ANN401
     return int(value) if value.is_integer() else float(value)
 
 
-def _told(done: NDArray[np.bool_]) -> tuple[str, ...]:
-    """Say how many runs failed."""
-    failed = int((~done).sum())
-    return (f"{failed} of {done.size} runs failed and are left out",) if failed else ()
+def _tell_doubts(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Say how many runs failed, and how many are warned about."""
+    done = is_done(dataset)
+    failed = (f"{(~done).sum()} of {done.size} runs failed and are left out",) if not done.all() else ()
+    return failed + tell_warned(dataset)
 
 
 def _influences(dataset: xr.Dataset, metrics: list[str]) -> list[Table]:

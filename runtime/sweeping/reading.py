@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
 FloatArray = NDArray[np.float64]
-POINT, STATUS, DONE = "point", "status", "done"
+POINT, STATUS, DONE, WARNINGS = "point", "status", "done", "warnings"
+UNKNOWN = "the file is of an older version, which kept no warnings of its runs"
+TEXTS = (STATUS, WARNINGS)
+"""Variables that hold what is told of a run, one warning a line; the others are metrics."""
 
 QUIET = ("mesh_force_mean", "mesh_force_min", "mesh_force_rms", "mesh_force_amplitude", "mesh_frequency", "counts")
 """Metrics that tables and figures leave out where there are others; files and --json have them."""
@@ -58,6 +61,30 @@ def is_done(dataset: xr.Dataset) -> NDArray[np.bool_]:
     return np.array([str(status) == DONE for status in dataset[STATUS].values], dtype=bool)
 
 
+def list_warnings(dataset: xr.Dataset) -> list[tuple[str, ...]]:
+    """Return the warnings of each run; none where an older file kept none (see `keeps_warnings`)."""
+    if not keeps_warnings(dataset):
+        return [()] * dataset.sizes[POINT]
+    return [tuple(str(lines).splitlines()) for lines in dataset[WARNINGS].values]
+
+
+def keeps_warnings(dataset: xr.Dataset) -> bool:
+    """Say whether a sweep's file has warnings; those of form 1 have not, which does not mean that there were none."""
+    return WARNINGS in dataset
+
+
+def is_warned(dataset: xr.Dataset) -> NDArray[np.bool_]:
+    """Say of each point whether its run is warned about, shape (points,)."""
+    return np.array([bool(lines) for lines in list_warnings(dataset)], dtype=bool)
+
+
+def tell_warned(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Say how many runs are warned about, or that it is not known; nothing where none is."""
+    warned = is_warned(dataset)
+    marked = (f"{warned.sum()} of {warned.size} runs are warned about: see `{WARNINGS}`",) if warned.any() else ()
+    return marked if keeps_warnings(dataset) else (UNKNOWN,)
+
+
 def is_whole(dataset: xr.Dataset) -> bool:
     """Say whether a sweep has a row for every point; one under way has not."""
     return dataset.sizes[POINT] == design_of(dataset).size
@@ -65,7 +92,7 @@ def is_whole(dataset: xr.Dataset) -> bool:
 
 def list_metrics(dataset: xr.Dataset) -> list[str]:
     """List the variables that hold metrics, spectra included."""
-    return [str(name) for name, variable in dataset.data_vars.items() if POINT in variable.dims and name != STATUS]
+    return [str(name) for name, variable in dataset.data_vars.items() if POINT in variable.dims and name not in TEXTS]
 
 
 def list_spectra(dataset: xr.Dataset) -> list[str]:

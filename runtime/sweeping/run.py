@@ -1,44 +1,33 @@
 """Run: a sweep from its axes to its file, stage by stage: axes -> design -> models -> store -> rows -> file."""
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from math import isfinite
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-from ltcgear.generated.contract import Artifact
-from ltcgear.generated.errors import LtcgearError, SceneError
+from ltcgear.generated.errors import LtcgearError
 
 from ..attributes import to_attributes
 from ..band import BAND
-from ..dataset import make_dataset
 from ..integration import check_length
-from ..library import build
-from ..rates import find_rate
-from ..reading import no_rows
-from ..simulation import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, check_size
+from ..part import part_of
+from ..simulation import DEFAULT_METHOD, DEFAULT_RTOL, check_options
 from .axes import read_axes
 from .design import Design, draw_design
-from .execution import Pool, Processes, check_joblib, compute_points
+from .execution import Pool, Processes, check_joblib
+from .filling import SKIPPED, fill
 from .listing import summarise
-from .metrics import choose_metrics, find_metric, lay_out, unite
+from .metrics import find_metric
+from .planning import Told, check_points, choose_common_rate, make_plan
 from .reading import design_of
 from .store import Store, check_store, load_sweep
-from .task import UNBUILT, Maker, Outcome, Plan, find_places
+from .task import Maker, Outcome, Plan
 
-if TYPE_CHECKING:
-    import xarray as xr
-
-Told = Callable[[str, int, int, int], None]
 MOST_WORKERS = 1024
-MOST_TRIED = 8
-"""Points by which a sampling rate is chosen."""
-FIXED = ("simulation",)
-"""Tables of the scene that are the same for all points."""
 
 
 def sweep(
@@ -57,12 +46,15 @@ def sweep(
     raw: bool = False,
     workers: int | None = None,
     scheduler: str | None = None,
+    retry: bool = False,
+    skip: Sequence[int] = (),
     told: Told = lambda stage, done, total, failed: None,
 ) -> dict[str, Any]:
     """Simulate a scene at many points and keep metrics of each, one row a point, in a NetCDF4 file.
 
     Rows go to ``NAME.part.nc`` as they come. Where the sweep was stopped or killed, the same call goes on and
-    computes what is missing; the file is the same to the last bit. A point that fails is a row with its reason.
+    computes what is missing; the file is the same to the last bit. A point that fails is a row with its reason; where
+    the machine fails the sweep stops.
 
     Parameters
     ----------
@@ -83,7 +75,11 @@ def sweep(
     workers
         Processes, as many as there are cores where left out; with 1 this process computes.
     scheduler
-        Address of a Dask scheduler whose workers compute, in place of processes.
+        Address of a Dask scheduler whose workers compute, in place of processes; it and its network are trusted.
+    retry
+        Whether points that failed before are computed again.
+    skip
+        Numbers of points that are left out: rows that say so, as of those that failed.
     told
         Called with a stage (``build`` or ``simulate``), how much of it is done, its total, and failed points so far.
 
@@ -97,6 +93,9 @@ def sweep(
     LtcgearError
         If anything is wrong, before anything is computed: a key, a range, a metric, the scheduler, or a file there
         that is of another sweep.
+    MachineError
+        If the machine fails: no compiler, store, disk or memory, or processes that are killed; what was computed is
+        kept.
     KeyboardInterrupt
         At Ctrl-C; what was computed is kept.
     """
@@ -107,6 +106,7 @@ def sweep(
     for name in metrics or ():
         find_metric(name)
     design = draw_design(read_axes(vary), sample, points, seed)
+    _check_skip(skip, design)
     ends = check_points(maker, design)
     end, samples = maker.times(ends[0])
     settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "method": method, "rtol": rtol, "raw": raw}
@@ -118,119 +118,28 @@ def sweep(
         plan = make_plan(maker, design, metrics, settings, told)
         seconds = {"prepare": perf_counter() - clock}
         clock = perf_counter()
-        with Store(target, design, plan.form, describe_sweep(plan), _attributes(plan)) as store:
-            kept = len(store.done)
-            _fill(plan, store, pool, told)
+        with Store(target, design, plan.form, describe_sweep(plan), _attributes(plan), retry) as store:
+            kept, left_out = len(store.done), set(skip) - store.done
+            for point in sorted(left_out):
+                store.add(Outcome(point, SKIPPED))
+            fill(plan, store, pool, told)
             seconds["simulate"] = perf_counter() - clock
             store.seal()
-    return tell_sweep(target, maker, kept, pool.workers, seconds)
+    counts = {"computed": design.size - kept - len(left_out), "kept": kept, "workers": pool.workers}
+    return tell_sweep(target, maker, counts, seconds)
+
+
+def _check_skip(skip: Sequence[int], design: Design) -> None:
+    """Refuse points to be left out that there are not."""
+    for point in skip:
+        if not 0 <= point < design.size:
+            raise LtcgearError(f"--skip {point}: no such point; they are numbered from 0 to {design.size - 1}")
 
 
 def _check_rate(rate: float) -> None:
     """Refuse a rate of samples that is none."""
     if not (isfinite(rate) and rate > 0):
         raise LtcgearError(f"rate {rate:g}: must be samples a second [Hz], greater than zero")
-
-
-def choose_common_rate(maker: Maker, points: Sequence[Mapping[str, str]]) -> float:
-    """Choose one sampling rate for all points [Hz]: the highest that some of them, their ends among them, call for."""
-    found = []
-    for changes in [*points[: MOST_TRIED - 1], *points[MOST_TRIED - 1 :][-1:]]:
-        with suppress(LtcgearError):  # a point's own reason
-            _, values, tables = maker.make(changes)
-            found.append(find_rate(build(maker.obtain(changes)), values, tables, None).rate)
-    if not found:
-        raise LtcgearError("no end of the axes can begin, so no sampling rate follows; give simulation.rate")
-    return max(found)
-
-
-def check_points(maker: Maker, design: Design) -> list[dict[str, str]]:
-    """Refuse keys and values that the scene does not take; return the changes of the points that it takes.
-
-    What is refused is wrong alone and with the other values of its point; else it is that point's own reason.
-    """
-    for axis in design.axes:
-        if axis.key.split(".")[0] in FIXED:
-            raise LtcgearError(f"--vary {axis.key}: is the same for all points; give --t-end, or --set {axis.key}=...")
-    taken: list[dict[str, str]] = []
-    for changes in _list_checked(design):
-        try:
-            maker.make(changes)
-            taken.append(changes)
-        except SceneError as error:
-            own = _find_fault(maker, {})
-            for key, value in changes.items():
-                alone = _find_fault(maker, {key: value})
-                if alone and alone == own:  # the scene's, whatever is varied
-                    raise
-                if alone:
-                    raise SceneError(f"--vary {key}: {error}") from error
-    if not taken:
-        raise LtcgearError("no end of the axes gives a scene without defects; see `ltcgear info SCENE --set KEY=VALUE`")
-    return taken
-
-
-def _list_checked(design: Design) -> list[dict[str, str]]:
-    """Return the changes of points that stand for all: the axes' ends, or, where draws have no ends, the middle."""
-    if design.sample != "normal":
-        return design.ends()
-    spread = np.array([0.0 if axis.crossed else 1 / (axis.high or 1.0) for axis in design.axes])
-    centre = np.array([0.0 if axis.crossed else axis.low for axis in design.axes])
-    middle = design.changes(int(np.argmin((((design.values - centre) * spread) ** 2).sum(axis=1))))
-    return [middle, *(middle | {axis.key: item} for axis in design.axes for item in axis.items)]
-
-
-def _find_fault(maker: Maker, changes: Mapping[str, str]) -> str:
-    """Say why the scene does not take some changes; "" where it does."""
-    try:
-        maker.make(changes)
-    except SceneError as error:
-        return str(error)
-    return ""
-
-
-def make_plan(
-    maker: Maker, design: Design, metrics: Sequence[str] | None, settings: Mapping[str, Any], told: Told
-) -> Plan:
-    """Derive and compile all variants, and lay out the rows, before any worker starts."""
-    plan: Plan | None = None
-    listed = _list_variants(maker, design)
-    for k, (key, changes) in enumerate(listed.items()):
-        told("build", k, len(listed), 0)
-        artifact, row, metrics = _prepare(maker, changes, metrics, settings)
-        if plan is None:
-            plan = Plan(maker, design, metrics, row, settings, {}, {})
-        plan.models[key], plan.rows[key] = artifact, row
-    if plan is None:
-        raise LtcgearError("no point of the sweep gives a scene without defects; see `ltcgear info SCENE`")
-    plan.form = unite(list(plan.rows.values()))
-    return plan
-
-
-def _list_variants(maker: Maker, design: Design) -> dict[str, dict[str, str]]:
-    """Return the structures that lists and ends of axes call for: the key of each and the changes of a point."""
-    lists = [k for k, axis in enumerate(design.axes) if axis.items]
-    found = np.unique(design.values[:, lists], axis=0, return_index=True)[1] if lists else [0]
-    variants: dict[str, dict[str, str]] = {}
-    for changes in [*(design.changes(int(point)) for point in sorted(found)), *_list_checked(design)]:
-        with suppress(SceneError):  # this combination's own reason
-            variants.setdefault(maker.make(changes)[0], changes)
-    return variants
-
-
-def _prepare(
-    maker: Maker, changes: Mapping[str, str], metrics: Sequence[str] | None, settings: Mapping[str, Any]
-) -> tuple[Artifact, "xr.Dataset", Sequence[str]]:
-    """Obtain and compile a variant, with what its integrator compiles; return it, its row, and the metrics."""
-    artifact = maker.obtain(changes)
-    library, (_, values, tables) = build(artifact), maker.make(changes)
-    check_size(library, settings["t_end"] * settings["rate"])
-    p = library.parameters(values)
-    with suppress(LtcgearError):  # a point's own reason
-        Run(library, p, tables=tables, **settings)
-    empty = make_dataset(library, p, no_rows(library))
-    metrics = metrics or choose_metrics(empty)
-    return artifact, lay_out(empty, metrics, settings["t_end"], settings["rate"], settings["raw"]), metrics
 
 
 def describe_sweep(plan: Plan) -> dict[str, Any]:
@@ -293,41 +202,19 @@ def _open_pool(workers: int | None, scheduler: str | None, points: int) -> Itera
         yield cluster
 
 
-def _fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
-    """Compute the missing points and add their rows."""
-    missing = store.missing()
-    while missing:
-        unbuilt: list[int] = []
-        for outcome in compute_points(plan, missing, pool):
-            if outcome.status == UNBUILT:
-                unbuilt.append(outcome.point)
-                continue
-            store.add(outcome)
-            told("simulate", len(store.done), plan.design.size, store.failed)
-        missing = [point for point in unbuilt if not _build_late(plan, store, point)]
-        if unbuilt:
-            told("simulate", len(store.done), plan.design.size, store.failed)
-
-
-def _build_late(plan: Plan, store: Store, point: int) -> bool:
-    """Build the variant of a point whose structure neither lists nor ends of axes show; say whether that failed."""
-    changes = plan.design.changes(point)
-    key = plan.maker.make(changes)[0]
-    if key in plan.models:
-        return False
-    try:
-        artifact, row, _ = _prepare(plan.maker, changes, plan.metrics, plan.settings)
-        find_places(row, plan.form)
-    except LtcgearError as error:
-        store.add(Outcome(point, str(error)))
-        return True
-    plan.models[key], plan.rows[key] = artifact, row
-    return False
-
-
-def tell_sweep(target: Path, maker: Maker, kept: int, workers: int, seconds: Mapping[str, float]) -> dict[str, Any]:
+def tell_sweep(target: Path, maker: Maker, counts: Mapping[str, int], seconds: Mapping[str, float]) -> dict[str, Any]:
     """Return how a sweep went, and what it says in numbers."""
     found = load_sweep(target)
-    told = {"scene": maker.name, "file": str(target), **summarise(found)}
-    counts = {"computed": found.sizes["point"] - kept, "kept": kept, "workers": workers}
-    return told | counts | {"notes": list(design_of(found).notes), "seconds": dict(seconds)}
+    told = {"scene": maker.name, "file": str(target), **summarise(found), **counts}
+    return told | {"notes": list(design_of(found).notes), "seconds": dict(seconds)}
+
+
+def tell_kept(target: Path) -> str:
+    """Say what a sweep that was stopped has left, and what the same command then does."""
+    part = part_of(target)
+    if target.exists():
+        return f"{target} has all rows"
+    with suppress(LtcgearError):  # of a damaged one the same command tells
+        if part.exists() and load_sweep(part).sizes["point"]:
+            return f"rows are kept in {part}, the same command goes on"
+    return "no row was there yet; the same command begins anew"

@@ -6,41 +6,60 @@ for it.
 """
 
 import json
-from collections.abc import Mapping
+import zlib
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.lock import Lock
+from ltcgear.generated.writing import check_output, is_forced, remove_drafts
 from numpy.typing import NDArray
 
 from ..attributes import UNFINISHED
 from ..checkpoint import tell_differences
-from ..part import BEGIN, Part, part_of
-from ..results import check_target, save
+from ..netcdf import save
+from ..part import IDENTITY, Part, part_of, read_part
 from .design import Design
-from .lock import Lock
-from .reading import DONE
+from .reading import DONE, WARNINGS, is_done
 from .task import Outcome
 
 if TYPE_CHECKING:
     import xarray as xr
 
-FORMAT = 1
-"""Form of the files; it is counted up when older ones can no longer be read."""
+FORMAT = 2
+"""Form of the files; it is counted up when older ones can no longer be gone on with."""
+READ = (1, FORMAT)
+"""Forms that are read; the first kept no warnings."""
 LONGEST = 400
 """Bytes of a reason that are kept."""
+TEXTS = {"status": LONGEST, WARNINGS: 1000}
+"""Columns of text, and how many bytes of each are kept."""
+LEFT_OUT = "and {} more warnings, for which the row has no room"
 KIND, ABOUT = "sweep_format", "sweep"
 """Attributes that tell the form of a sweep's file, and of which sweep it is."""
 GO_ON = "run the same command again to go on"
 CURE = "give another -o, or delete it"
+CHECK = "check"
+"""Variable of a part with each row's check sum."""
 
 
 class SweepPart(Part):
-    """Rows of a sweep under way."""
+    """Rows of a sweep under way; each bears a check sum, since they are taken up one by one."""
 
-    goes_on, again = GO_ON, "delete it to begin anew"
+    goes_on = GO_ON
+
+    def _sign(self, records: NDArray[np.void]) -> None:
+        """Put the check sum into each row."""
+        records[CHECK] = _sum_up(records, self.identity)
+
+
+def _sum_up(records: NDArray[np.void], identity: str) -> NDArray[np.int32]:
+    """Return the check sums of rows whose own is 0, those of their part only."""
+    begin, data = zlib.crc32(identity.encode()), records.view(np.uint8).reshape(len(records), -1)
+    return np.array([zlib.crc32(row.data, begin) for row in data], np.uint32).view(np.int32)
 
 
 class Store:
@@ -63,6 +82,8 @@ class Store:
         All that makes the sweep what it is, by name.
     attributes
         What the file shall also tell.
+    retry
+        Whether points that failed are missing, to be computed again.
 
     Raises
     ------
@@ -72,16 +93,16 @@ class Store:
     """
 
     def __init__(
-        self, target: Path, design: Design, form: "xr.Dataset", about: Mapping[str, Any], attributes: Mapping[str, Any]
-    ) -> None:
+        self, target: Path, design: Design, form: "xr.Dataset", about: Mapping[str, Any], attributes: Mapping[str, Any],
+        retry: bool = False,
+    ) -> None:  # fmt: skip
         check_store(target)
-        self.target, self.design, self.form = target, design, form
+        self.target, self.design, self.form, self.retry = target, design, form, retry
         self.attributes = {**attributes, KIND: FORMAT, ABOUT: json.dumps(about), "design": json.dumps(design.to_json())}
         self.part: SweepPart | None = None
         self.done: set[int] = set()
         self.failed = 0
-        busy = f"{part_of(target)}: another sweep is writing it; wait for that, or give another -o"
-        self.lock = Lock(lock_of(target), busy)
+        self.lock = Lock(target)
         try:
             self._begin(about)
         except BaseException:
@@ -91,35 +112,51 @@ class Store:
     def _begin(self, about: Mapping[str, Any]) -> None:
         """Take up the rows that are there, and open the part for those that are missing."""
         path = part_of(self.target)
-        if self.target.exists():
-            self._note(_check_sweep(self.target, about))
-            if self.missing():
-                raise LtcgearError(
-                    f"{self.target}: holds {len(self.done)} of the sweep's {self.design.size} points; delete it, "
-                    "and the same command computes all"
-                )
+        remove_drafts(self.target, path)
+        if is_forced():
             path.unlink(missing_ok=True)
+        elif self.target.exists():
+            sealed = _check_sweep(self.target, about)
+            if sealed.sizes["point"] != self.design.size:
+                raise LtcgearError(
+                    f"{self.target}: holds {sealed.sizes['point']} of the sweep's {self.design.size} points; delete "
+                    "it, and the same command computes all"
+                )
+            self._note(sealed)
+            if self.missing():
+                self._open_again(sealed)
+            else:
+                path.unlink(missing_ok=True)
             return
         kept = _check_sweep(path, about) if path.exists() else None
-        if kept is not None:
-            self._note(_arrange(kept, self.design))
         self.part = SweepPart(self.target, self._heading(), None if kept is None else kept.sizes["point"], "point")
+        if kept is not None:
+            self._note(_arrange(_leave_damage(path, kept), self.design))
+
+    def _open_again(self, sealed: "xr.Dataset") -> None:
+        """Turn a sealed file into a part of the same rows, which takes its place once it has all."""
+        self.part = SweepPart(self.target, self._heading(), None, "point")
+        for outcome in _outcomes(sealed, self.form):
+            self._append(self.part, outcome)
+        self.target.unlink()
 
     def _note(self, rows: "xr.Dataset") -> None:
-        """Note the points that are there, and how many of them failed."""
-        self.done = {int(point) for point in rows["point"].values}
-        self.failed = sum(str(status) != DONE for status in rows["status"].values)
+        """Note the points that are there, and how many of them failed; with ``retry`` these are not there."""
+        failed = {int(point) for point in rows["point"].values[~is_done(rows)]}
+        self.done = {int(point) for point in rows["point"].values} - (failed if self.retry else set())
+        self.failed = 0 if self.retry else len(failed)
 
     def _heading(self) -> "xr.Dataset":
         """Return the file's content without any row."""
         import xarray as xr
 
-        data: dict[str, Any] = {"status": ("point", np.zeros(0, f"S{LONGEST}"))}
+        data: dict[str, Any] = {name: ("point", np.zeros(0, f"S{size}")) for name, size in TEXTS.items()}
+        data[CHECK] = ("point", np.zeros(0, np.int32))
         for name, variable in self.form.data_vars.items():
             data[str(name)] = (("point", *variable.dims), np.zeros((0, *variable.shape)), variable.attrs)
         coordinates = {str(name): coordinate for name, coordinate in self.form.coords.items()}
-        status = {"status": f"{UNFINISHED}; {GO_ON}"}
-        return xr.Dataset(data, {"point": np.zeros(0), **coordinates}, {**self.attributes, **status})
+        under_way = {"status": f"{UNFINISHED}; {GO_ON}"}
+        return xr.Dataset(data, {"point": np.zeros(0), **coordinates}, {**self.attributes, **under_way})
 
     def __enter__(self) -> "Store":
         """Use the file."""
@@ -128,7 +165,7 @@ class Store:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         """Close it, and let others write it."""
         if self.part is not None:
-            self.part.file.close()
+            self.part.close()
         self.lock.release()
 
     def missing(self) -> list[int]:
@@ -139,18 +176,23 @@ class Store:
         """Add a row; once this returns it outlasts the program."""
         if self.part is None or outcome.point in self.done:
             return
-        columns: dict[str, NDArray[Any]] = {
-            "point": np.array([outcome.point], float),
-            "status": np.array([_cut(outcome.status)], f"S{LONGEST}").view("S1").reshape(1, LONGEST),
+        self._append(self.part, outcome)
+        self.done.add(outcome.point)
+        self.failed += outcome.values is None
+
+    def _append(self, part: SweepPart, outcome: Outcome) -> None:
+        """Append a row to the part; of several of a point the last one counts."""
+        columns: dict[str, NDArray[Any]] = {"point": np.array([outcome.point], float), CHECK: np.zeros(1, np.int32)}
+        texts = {"status": _cut(outcome.status), WARNINGS: _join(outcome.warnings)}
+        columns |= {
+            name: np.array([texts[name]], f"S{size}").view("S1").reshape(1, size) for name, size in TEXTS.items()
         }
         start = 0
         for name, variable in self.form.data_vars.items():
             values = np.nan if outcome.values is None else outcome.values[start : start + variable.size]
             columns[str(name)] = np.broadcast_to(values, variable.size).reshape(1, *variable.shape)
             start += variable.size
-        self.part.append(columns)
-        self.done.add(outcome.point)
-        self.failed += outcome.values is None
+        part.append(columns)
 
     def seal(self) -> None:
         """Write the file of all rows, sorted by point; it appears whole or not at all.
@@ -162,33 +204,28 @@ class Store:
         """
         if self.part is None:
             return
-        rows = _arrange(_open(self.part.path), self.design)
+        rows = _arrange(_leave_damage(self.part.path, _open(self.part.path)), self.design)
         if not np.array_equal(rows["point"].values, np.arange(self.design.size)):
             there = len(np.unique(rows["point"].values))
             raise LtcgearError(f"{self.part.path}: holds {there} of the sweep's {self.design.size} points; {GO_ON}")
         rows.attrs = {**self.attributes, "status": DONE}
         for variable in rows.variables.values():
             variable.encoding = {}
-        try:
-            save(rows, self.target)
-        except LtcgearError as error:
-            raise LtcgearError(f"{error}; rows are kept: make room, then {GO_ON}") from error
-        self.part.path.unlink()
-
-
-def lock_of(target: Path) -> Path:
-    """Return what is locked while rows are written."""
-    return target.with_suffix(".part.lock")
+        save(rows, self.target, GO_ON)
+        self.part.remove()
 
 
 def check_store(target: Path) -> None:
     """Refuse a file that cannot be a sweep's, before anything is computed."""
-    check_target(target)
+    check_output(target)
     if target.suffix != ".nc":
         raise LtcgearError(f"{target}: sweeps are NetCDF4 files; name it {target.with_suffix('.nc')}")
+    check_output(part_of(target))
     for path in (target, part_of(target)):
-        if path.exists():
+        if path.exists() and not is_forced():
             _open(path)
+    if part_of(target).exists() and not is_forced():
+        read_part(part_of(target))
 
 
 def load_sweep(path: str | Path) -> "xr.Dataset":
@@ -211,7 +248,7 @@ def load_sweep(path: str | Path) -> "xr.Dataset":
         raise LtcgearError(f"{path}: no such file; {hint}")
     found = _open(path)
     if str(found.attrs.get("status", "")).startswith(UNFINISHED):
-        return _arrange(found, Design.from_json(found.attrs["design"]))
+        return _arrange(_leave_damage(path, found), Design.from_json(found.attrs["design"]))
     return found
 
 
@@ -226,14 +263,28 @@ def _open(path: Path) -> "xr.Dataset":
         raise LtcgearError(f"{path}: not a readable NetCDF file ({error}); {CURE}") from error
     if not {KIND, ABOUT, "design"} <= set(found.attrs) or "point" not in found.dims:
         raise LtcgearError(f"{path}: not a sweep; {CURE}")
-    if found.attrs[KIND] != FORMAT:
+    if found.attrs[KIND] not in READ:
         raise LtcgearError(f"{path}: a sweep of form {found.attrs[KIND]}, which is not {FORMAT}; {CURE}")
     return found
+
+
+def _leave_damage(path: Path, rows: "xr.Dataset") -> "xr.Dataset":
+    """Return the rows of a part that are those that were written; the others are computed again."""
+    layout = read_part(path)
+    records = np.fromfile(path, layout.record, rows.sizes["point"], offset=layout.begin)
+    plain = records.copy()
+    plain[CHECK] = 0
+    sound = _sum_up(plain, layout.texts[IDENTITY]) == records[CHECK]
+    return rows.isel(point=np.pad(sound, (0, rows.sizes["point"] - len(sound))))
 
 
 def _check_sweep(path: Path, about: Mapping[str, Any]) -> "xr.Dataset":
     """Return what a file holds, and refuse that of another sweep."""
     found = _open(path)
+    if found.attrs[KIND] != FORMAT:
+        raise LtcgearError(
+            f"{path}: a sweep of form {found.attrs[KIND]}, which is read but not gone on with ({FORMAT} is); {CURE}"
+        )
     try:
         differences = tell_differences(json.loads(found.attrs[ABOUT]), about)
     except (ValueError, AttributeError) as error:
@@ -244,18 +295,40 @@ def _check_sweep(path: Path, about: Mapping[str, Any]) -> "xr.Dataset":
 
 
 def _arrange(rows: "xr.Dataset", design: Design) -> "xr.Dataset":
-    """Return the rows of a part sorted by point, with what the axes are there."""
+    """Return the rows of a part sorted by point, the last of each, with what the axes are there."""
     points = rows["point"].values.astype(np.int64)
-    order = np.argsort(points)
-    status = [bytes(text).decode("utf-8", "replace") for text in rows["status"].values]
-    rows = rows.assign_coords(point=points).assign(status=("point", np.array(status, dtype=object)))
-    rows = rows.isel(point=order)
-    rows.attrs.pop(BEGIN, None)
-    at = points[order]
+    at, last = np.unique(points[::-1], return_index=True)
+    rows = rows.assign_coords(point=points).isel(point=points.size - 1 - last)
+    for name in [name for name in TEXTS if name in rows]:
+        texts = [bytes(text).decode("utf-8", "replace") for text in rows[name].values]
+        rows = rows.assign({name: ("point", np.array(texts, dtype=object))})
+    rows = rows.drop_vars(CHECK, errors="ignore")
+    rows.attrs.pop(IDENTITY, None)
     axes = {name: (over, values[at], told) for name, (over, values, told) in design.coordinates().items()}
     return rows.assign_coords(axes)
 
 
-def _cut(text: str) -> bytes:
-    """Return a reason on one line, cut to what a row holds."""
-    return " ".join(text.split()).encode()[:LONGEST].decode("utf-8", "ignore").encode()
+def _outcomes(rows: "xr.Dataset", form: "xr.Dataset") -> Iterator[Outcome]:
+    """Yield what came of the points of a sealed file."""
+    done = is_done(rows)
+    numbers = [rows[name].transpose("point", ...).values for name in form.data_vars]
+    for k, point in enumerate(rows["point"].values):
+        values = np.concatenate([np.ravel(variable[k]) for variable in numbers]) if done[k] else None
+        told = tuple(str(rows[WARNINGS].values[k]).splitlines())
+        yield Outcome(int(point), str(rows["status"].values[k]), values, told)
+
+
+def _cut(text: str, longest: int = LONGEST) -> bytes:
+    """Return a text on one line, cut to what a row holds."""
+    return " ".join(text.split()).encode()[:longest].decode("utf-8", "ignore").encode()
+
+
+def _join(warnings: Sequence[str]) -> bytes:
+    """Return warnings, one a line, as many as a row holds, and how many it does not."""
+    lines = [_cut(text) for text in warnings]
+    for left in range(len(lines) + 1):
+        more = [LEFT_OUT.format(left).encode()] if left else []
+        joined = b"\n".join([*lines[: len(lines) - left], *more])
+        if len(joined) <= TEXTS[WARNINGS]:
+            break
+    return joined

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from ltcgear.generated.contract import Artifact
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 from numpy.typing import NDArray
 
 from ..library import Library, build
 from ..signals import Pairs
 from ..simulation import simulate
 from .design import Design
+from .faults import EXHAUSTED, describe, is_machines
 from .metrics import take_values
 from .reading import DONE
 
@@ -52,11 +53,12 @@ class Maker(Protocol):
 
 
 class Outcome(NamedTuple):
-    """What came of a point: its number, ``done`` or a reason, and its numbers in the row's order; None without."""
+    """What came of a point: its number, ``done`` or a reason, its numbers in the row's order or None, its warnings."""
 
     point: int
     status: str
     values: Vector | None = None
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass
@@ -127,12 +129,12 @@ class Plan:
         if key not in self.models:
             return Outcome(point, UNBUILT)
         result = simulate(self.library(key), values, tables=tables, **self.settings)
-        status = result.summary["status"]
+        status, warnings = result.summary["status"], tuple(result.summary["warnings"])
         if status.startswith("interrupted"):
             raise KeyboardInterrupt
         if status != DONE:
-            return Outcome(point, status)
-        return Outcome(point, DONE, _arrange(take_values(result, self.metrics), self.places[key]))
+            return Outcome(point, status, None, warnings)
+        return Outcome(point, DONE, _arrange(take_values(result, self.metrics), self.places[key]), warnings)
 
 
 def flatten(row: "xr.Dataset") -> Vector:
@@ -171,8 +173,9 @@ def _arrange(values: Vector, places: Vector | None) -> Vector:
 
 # --- in a process that computes
 
-_PLANS: dict[str, Plan | str] = {}
+_PLANS: dict[str, Plan | LtcgearError] = {}
 """Plans by name; the reason in place of one that cannot be used here."""
+UNUSABLE = "a worker cannot use what makes the models: {}; see that it can be pickled"
 _ALONE = Lock()
 """CasADi serves one thread; a cluster's workers may have several."""
 
@@ -203,7 +206,8 @@ def start_process(name: str, data: bytes) -> None:
     try:
         keep_plan(name, data)
     except Exception as error:  # whatever a maker raises that cannot be unpickled
-        _PLANS[name] = f"{type(error).__name__}: {error}"
+        text = f"{type(error).__name__}: {error}"
+        _PLANS[name] = MachineError(text) if is_machines(error) else LtcgearError(UNUSABLE.format(text))
 
 
 def forget_plan(name: str) -> None:
@@ -218,14 +222,19 @@ def run_point(name: str, point: int) -> Outcome:
     ------
     LtcgearError
         If the process cannot use the plan, which is no point's fault.
+    MachineError
+        If the machine fails, which is none either.
     """
-    plan = _PLANS.get(name, "it was not sent")
-    if isinstance(plan, str):
-        raise LtcgearError(f"a worker cannot use what makes the models: {plan}; see that it can be pickled")
+    plan = _PLANS.get(name, LtcgearError(UNUSABLE.format("it was not sent")))
+    if isinstance(plan, LtcgearError):
+        raise plan
     with _ALONE:
         try:
-            return plan.compute(point)
-        except LtcgearError as error:
-            return Outcome(point, str(error))
+            outcome = plan.compute(point)
         except Exception as error:  # one point in thousands must not end all others
-            return Outcome(point, f"{type(error).__name__}: {error}")
+            if is_machines(error):
+                raise MachineError(f"{plan.design.tell(point)}: {describe(error)}") from error
+            return Outcome(point, describe(error))
+    if EXHAUSTED in outcome.status:
+        raise MachineError(f"{plan.design.tell(point)}: {outcome.status}")
+    return outcome

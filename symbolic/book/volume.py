@@ -7,6 +7,7 @@ from typing import Any
 
 from ltcgear.generated.contract import Manifest
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.writing import check_output, write_text
 
 from ..checks.base import Check
 from ..model import Model
@@ -70,7 +71,7 @@ def identify(manifest: Manifest, key: str) -> dict[str, str]:
     return told | {f"operations of {name}": str(item.operations) for name, item in manifest.functions.items()}
 
 
-def check_file(path: Path) -> None:
+def check_file(path: Path, *sources: str) -> None:
     """Refuse a file that is neither a page nor LaTeX, and any where the packages for pages are missing.
 
     Raises
@@ -79,6 +80,7 @@ def check_file(path: Path) -> None:
         If the suffix is another one than .html or .tex, or if a package is missing.
     """
     require_packages()
+    check_output(path, *sources)
     if path.suffix not in WRITERS:
         raise LtcgearError(f"{path}: a book is written as .html or .tex; give a name that ends so")
 
@@ -92,14 +94,7 @@ def write_book(book: Book, path: Path) -> None:
         If the suffix is another one, if the packages for pages are missing, or if the file cannot be written.
     """
     check_file(path)
-    text = WRITERS[path.suffix](book)
-    draft = path.with_name(f".draft-{path.name}")
-    try:
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(path)
-    except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise LtcgearError(f"{path}: cannot be written: {error.strerror or error}") from error
+    write_text(WRITERS[path.suffix](book), path)
 
 
 def list_content(book: Book) -> dict[str, Any]:

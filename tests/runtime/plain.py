@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from ltcgear.generated import store
+from ltcgear.generated import folders, store
 from ltcgear.runtime.plain.data import Run, write_data
 from ltcgear.runtime.plain.kit import write_kit
 
@@ -26,7 +26,7 @@ def write(found: Case, folder: Path) -> Path:
     simulation = found.scene.simulation if found.scene else None
     t_end, rate = (simulation.t_end, simulation.rate) if simulation else (0.01, 8192.0)
     data = write_data(found.library, found.model.name, Run(found.model.values(), found.model.tables, t_end, rate))
-    store.write_folder(folder, write_kit() | {"data.c": data, "model.c": found.library.artifact.c})
+    folders.write_folder(folder, write_kit() | {"data.c": data, "model.c": found.library.artifact.c})
     return folder
 
 

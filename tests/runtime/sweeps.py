@@ -13,7 +13,7 @@ from .models import make_case, raw_scene
 
 def as_sweep(design: Design, status: list[str] | None = None, **metrics) -> xr.Dataset:
     """A sweep's data set whose metrics are arrays over the points, or pairs of items and such arrays."""
-    data = {"status": ("point", status or ["done"] * design.size)}
+    data = {"status": ("point", status or ["done"] * design.size), "warnings": ("point", [""] * design.size)}
     coordinates = dict(design.coordinates())
     for name, values in metrics.items():
         items, numbers = values if isinstance(values, tuple) else (None, values)
@@ -31,7 +31,7 @@ def run_sweep(design: Design, name: str, settings: tuple[str, ...], metrics: lis
         case = make_case(put(raw_scene(name, *settings), design.changes(point)))
         rows.append(measure(simulate(case.library, case.model.values(), **options), metrics))
     united = xr.concat(rows, "point").assign_coords(design.coordinates())
-    united["status"] = ("point", ["done"] * design.size)
+    united["status"], united["warnings"] = ("point", ["done"] * design.size), ("point", [""] * design.size)
     return united.assign_attrs(design=json.dumps(design.to_json()))
 
 

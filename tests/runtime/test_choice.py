@@ -2,12 +2,26 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.choice import GROWTH, SEGMENT, TIMES, choose, excited_rates, stability_rate, step_operations
+from ltcgear.runtime.choice import (
+    GROWTH,
+    SEGMENT,
+    TIMES,
+    choose,
+    excited_rates,
+    reckon,
+    stability_rate,
+    step_operations,
+)
+from ltcgear.runtime.duty import list_duty
+from ltcgear.runtime.equilibrium import find_equilibrium
 from ltcgear.runtime.simulation import simulate
 
 from . import butcher, exact
 from .models import case
 
+LOAD = "loads.output.torque_over_time"
+STILL = ('effects.mesh_stiffness = "mean"', 'effects.transmission_error = "off"')
+"""Nothing that varies with the mesh phase."""
 BEARING = 'stages.lsp.ring.bearing.stiffness = "{} N/m"'
 SCENES = {
     "lsp": ("lsp",),
@@ -36,7 +50,7 @@ def operations(c, method, rtol):
 @pytest.mark.parametrize("name", sorted({*SCENES} - {"no excitation"}))  # any method is done with it at once
 def test_the_choice_costs_twice_the_best_at_most(name, rtol):
     c = case(*SCENES[name])
-    chosen = choose(c.library, c.at, c.p, rtol)
+    chosen = choose(c.library, c.at, c.p, rtol, c.model.tables, 0.1)
     cost = {method: operations(c, method, rtol) for method in ("erk", "rosenbrock")}
     assert cost[chosen.method] < 2 * min(cost.values())
 
@@ -47,6 +61,51 @@ def test_the_choice_costs_twice_the_best_at_most(name, rtol):
 def test_both_methods_are_chosen(name, method):
     c = case(*SCENES[name])
     assert choose(c.library, c.at, c.p, 1e-4).method == method
+
+
+@pytest.mark.parametrize("t_end", [0.5, 1.5])
+def test_a_start_from_rest_is_reckoned_by_the_time_at_each_speed(t_end):
+    """At rest friction is steepest and no teeth come and go; a run that leaves it is not to be reckoned by that."""
+    c = case(*SCENES["from rest"])
+    pace = reckon(c.library, c.at, c.p, 1e-5, c.model.tables, t_end)
+    counts = c.run(method="erk", rtol=1e-5, t_end=t_end).counts
+    assert t_end * pace.explicit == pytest.approx(counts.steps, rel=0.6)
+    if t_end > 1:
+        assert choose(c.library, c.at, c.p, 1e-5, c.model.tables, t_end).method == "erk"
+    assert choose(c.library, c.at, c.p, 1e-5, c.model.tables, 0.1).method == "rosenbrock"
+
+
+def test_the_duty_is_the_time_at_each_speed():
+    """The motor waits for 0.1 s, then runs up linearly for 1 s, and turns on."""
+    c = case("start-up")
+    parts = list_duty(c.library, c.at, c.p, c.model.tables, 2.0)
+    place = [signal.name for signal in c.library.manifest.signals].index("reference.speed")
+    speeds = np.array([part.at.signals[place] for part in parts])
+    shares = np.array([part.share for part in parts])
+    top = speeds.max()
+    assert shares.sum() == pytest.approx(1.0)
+    assert shares[speeds == 0].sum() == pytest.approx(0.05, abs=1e-6)
+    assert shares[speeds > 0.6 * top].sum() == pytest.approx((0.4 + 0.9) / 2, abs=2e-3)
+    assert shares @ speeds == pytest.approx(top * (0.5 + 0.9) / 2, rel=0.1)
+
+
+def test_a_load_over_time_sets_the_model_going():
+    c = case("hard-dead-band", *STILL)
+    flat, stepped = [(0.0, 70.0)], [(0.0, 70.0), (0.05, 70.0), (0.0501, 90.0)]
+    tables = {"loads.input.speed_over_time": [(0.0, 100.0)], LOAD: flat}
+    at = find_equilibrium(c.library, c.p, tables=tables)
+    assert "nothing sets the model going" in choose(c.library, at, c.p, 1e-6, tables, 0.1).why
+    chosen = choose(c.library, at, c.p, 1e-6, tables | {LOAD: stepped}, 0.1)
+    assert "accuracy calls for" in chosen.why
+    slow = [(0.0, 70.0), (1e3, 90.0)]
+    paces = [reckon(c.library, at, c.p, 1e-6, tables | {LOAD: rows}, 0.1).stiff for rows in (flat, slow, stepped)]
+    assert 0 == paces[0] < paces[1] < 0.5 * paces[2]  # a load that creeps hardly does
+
+
+def test_a_model_at_rest_that_explicit_steps_could_not_wait_for_gets_the_stiff_method():
+    c = case("hard-tiny-inertia")
+    assert choose(c.library, c.at, c.p, 1e-6).method == "rosenbrock"
+    assert simulate(c.library, c.model.values(), t_end=10.0, rate=64.0).summary["status"] == "done"
 
 
 def test_the_stability_bound_is_that_of_the_explicit_pair():

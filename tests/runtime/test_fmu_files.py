@@ -120,7 +120,7 @@ def test_the_command(data, refused, folder, pair, monkeypatch):
     assert "is the file that is read" in refused("export-fmu", folder / "itself.fmu", "-o", folder / "itself.fmu")
     assert "is a folder" in refused("export-fmu", scene, "-o", make_folder(folder / "b.fmu"))
     monkeypatch.setattr("ltcgear.generated.store.compiler", lambda: None)
-    assert "needs a C compiler" in refused("export-fmu", scene, "-o", folder / "a.fmu")
+    assert "needs a C compiler" in refused("export-fmu", scene, "-o", folder / "a.fmu", code=3)
     assert not (folder / "a.fmu").exists()
 
 

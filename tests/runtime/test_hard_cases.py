@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 from ltcgear.runtime import cli, native
 from ltcgear.runtime.cli.testing import open_bench
 from ltcgear.runtime.hard import case as bench_module
@@ -153,6 +153,11 @@ def test_a_case_that_finds_nothing_is_wrong():
 def test_an_error_of_ours_is_a_refusal_with_its_reason():
     outcome = judged(made("a", Finding("force", 0.5, 1.0), error=LtcgearError("give a bearing")))
     assert (outcome.verdict, outcome.reason) == ("refused", "give a bearing")
+
+
+def test_a_fault_of_the_machine_is_no_finding():
+    with pytest.raises(MachineError, match="no room"):
+        judged(made("a", Finding("force", 0.5, 1.0), error=MachineError("no room")))
 
 
 def test_any_other_error_is_wrong_with_its_text():

@@ -153,7 +153,10 @@ def test_a_library_that_cannot_be_loaded_is_told(tmp_path, artifact, part):
             case "$*" in *--version*) echo strange; exit 0;; esac
             for last; do case "$previous" in -o) out=$last;; esac; previous=$last; done
             for c; do case "$c" in *.c) source=$c;; esac; done
-            case "$(cat "$source")" in {wrong}) echo strange > "$out"; exit 0;; esac
+            case "$(cat "$source")" in {wrong})
+                echo 'int f(void); int (*g)(void) = f;' | cc -shared -fPIC -xc - -o "$out"
+                exit;;
+            esac
             exec cc "$@"
             """
         )
@@ -172,7 +175,7 @@ def test_a_library_that_cannot_be_loaded_is_told(tmp_path, artifact, part):
     assert f"{home}/libraries/" in text
     assert ".so: cannot be loaded, not even compiled afresh" in text
     assert "the loader says: " in text
-    assert "file too short" in text
+    assert "undefined symbol: f" in text
 
 
 # --- the helper alone

@@ -348,7 +348,7 @@ def test_a_run_without_its_tables_is_refused():
         lambda: integrate(c.library, c.p, c.at, t_end=0.1, rate=100.0, method="erk", rtol=1e-6),
         lambda: simulate(c.library, c.model.values(), t_end=0.1, rate=100.0),
     ):
-        with pytest.raises(LtcgearError, match=r"loads\.load_0\.torque_over_time missing; .*model\.tables"):
+        with pytest.raises(LtcgearError, match=r"loads\.load_0\.torque_over_time is missing; .*model\.tables"):
             call()
 
 

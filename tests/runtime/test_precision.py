@@ -6,7 +6,7 @@ from math import log10, pi, sqrt
 
 import numpy as np
 import pytest
-from ltcgear.generated.errors import LtcgearError, SolverError
+from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
 from ltcgear.runtime.hard.case import Bench
 from ltcgear.runtime.precision import reference as references
 from ltcgear.runtime.precision.errors import KINDS, Samples, find_errors, take_samples, value_of
@@ -199,6 +199,23 @@ def test_gaps_have_their_reasons(linear, monkeypatch):
     assert [reasons["idas", rtol] for rtol in sweep.rtols] == ["not for this model"] * 3
     assert points[0].errors == {}
     assert points[0].counts["steps"] > 0
+
+
+def test_a_fault_of_the_machine_is_no_method_s(linear, monkeypatch):
+    def unable(self, bench, method, rtol, **options):
+        raise MachineError("the store cannot be written")
+
+    monkeypatch.setattr(Patience, "run", unable)
+    options = {"t_end": 0.002, "rate": RATE}
+    sweep = Sweep(("erk",), (1e-3,), 0.002, RATE, Patience(60.0), 60.0)
+    for measure in (
+        lambda: find_reference(linear, Patience(60.0), **options),
+        lambda: sweep.measure(linear, Reference(None, [], {}, None, "none")),
+        lambda: sweep._time(linear, Point("erk", 1e-3)),
+        lambda: Patience(60.0).reach(linear, "erk", 1e-3, **options),
+    ):
+        with pytest.raises(MachineError, match="store"):
+            measure()
 
 
 def test_a_point_whose_repetition_fails_is_timed_once(linear, monkeypatch):

@@ -14,7 +14,7 @@ from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import checkpoint, integration, recording
 from ltcgear.runtime.checkpoint import checkpoint_of
 from ltcgear.runtime.native import FIELDS, NAMES
-from ltcgear.runtime.part import part_of
+from ltcgear.runtime.part import part_of, read_part
 from ltcgear.runtime.results import load
 from ltcgear.runtime.stepper import METHODS
 
@@ -124,18 +124,19 @@ def test_a_snapshot_holds_all_that_moves(settings, most):
         assert again[name].dtype == value.dtype
 
 
-def test_ctrl_c_keeps_a_result_and_what_it_takes_to_go_on(tmp_path):
+def test_ctrl_c_keeps_rows_that_can_be_read_and_what_it_takes_to_go_on(tmp_path):
     c, target = case("psh"), tmp_path / "a.nc"
     stop = {"told": lambda t: os.kill(os.getpid(), signal.SIGINT)}
     write(c, tmp_path / "whole.nc")
     summary = write(c, target, **stop)
     assert summary["status"].startswith("interrupted at t = ")
     assert summary["status"].endswith("--resume goes on")
-    found = load(target).dataset
-    assert found.attrs["status"] == summary["status"]
+    assert str(part_of(target)) in summary["status"]
+    found = load(part_of(target)).dataset
+    assert found.attrs["status"].startswith("not finished")
     assert 1 < found.sizes["time"] < 1001
-    assert part_of(target).exists()
     assert checkpoint_of(target).exists()
+    assert not target.exists()
     assert write(c, target, resume=True)["status"] == "done"
     assert_same(load(target).dataset, load(tmp_path / "whole.nc").dataset)
 
@@ -147,7 +148,7 @@ def test_a_full_disk_is_told_and_the_run_goes_on_later(tmp_path, monkeypatch):
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, limits[1]))
     try:
-        with pytest.raises(LtcgearError, match=r"a\.part\.nc: cannot be written: .*--resume goes on"):
+        with pytest.raises(LtcgearError, match=r"a\.part\.nc: cannot be written: .*; make room, then --resume goes on"):
             write(c, target)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
@@ -187,7 +188,7 @@ def test_another_run_is_not_gone_on_with(stopped, change, reason):
     with pytest.raises(LtcgearError, match="of another run: ") as caught:
         write(c, target, resume=True, **change)
     assert reason in str(caught.value)
-    assert "leave out --resume" in str(caught.value)
+    assert "--force in place of --resume begins anew" in str(caught.value)
 
 
 def test_another_number_equation_or_version_is_told(stopped, monkeypatch):
@@ -215,7 +216,7 @@ def test_a_damaged_checkpoint_is_told(stopped, damage):
     c, target = stopped
     file = checkpoint_of(target)
     file.write_bytes(damage(file.read_bytes()))
-    with pytest.raises(LtcgearError, match=r"a\.checkpoint\.npz: damaged .*leave out --resume"):
+    with pytest.raises(LtcgearError, match=r"a\.checkpoint\.npz: damaged .*--force in place of --resume begins anew"):
         write(c, target, resume=True)
 
 
@@ -223,10 +224,19 @@ def test_a_part_that_does_not_fit_is_told(stopped):
     c, target = stopped
     whole = part_of(target).read_bytes()
     part_of(target).write_bytes(b"nothing")
-    with pytest.raises(LtcgearError, match=r"a\.part\.nc: cannot be read"):
+    with pytest.raises(LtcgearError, match=r"a\.part\.nc: holds something else than a NetCDF file"):
         write(c, target, resume=True)
     part_of(target).write_bytes(whole[:4] + bytes(4) + whole[8:])  # no record
-    with pytest.raises(LtcgearError, match="holds 0 samples where the checkpoint counts"):
+    with pytest.raises(LtcgearError, match=r"holds 0 samples where the checkpoint counts \d+; to begin anew"):
+        write(c, target, resume=True)
+    part_of(target).write_bytes(whole)
+    begin = read_part(part_of(target)).begin
+    part_of(target).write_bytes(whole[:begin] + bytes(500) + whole[begin + 500 :])  # a hole of zeros
+    with pytest.raises(LtcgearError, match=r"a\.part\.nc: its rows are not those of .*a\.checkpoint\.npz"):
+        write(c, target, resume=True)
+    place = whole.index(b"reference_angle")
+    part_of(target).write_bytes(whole[:place] + b"R" + whole[place + 1 :])
+    with pytest.raises(LtcgearError, match=r"a\.part\.nc: its heading is damaged"):
         write(c, target, resume=True)
     for path in (part_of(target), checkpoint_of(target)):
         path.unlink()

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from ltcgear.generated import store as models
-from ltcgear.generated.errors import LtcgearError, SceneError, SolverError
+from ltcgear.generated.errors import LtcgearError, MachineError, SceneError, SolverError
 from ltcgear.runtime import build, load, load_sweep, simulate, sweep
 from ltcgear.runtime.part import part_of
 from ltcgear.runtime.results import save
-from ltcgear.runtime.sweeping import run as sweeping
+from ltcgear.runtime.sweeping import filling as sweeping
 from ltcgear.runtime.sweeping import task
 from ltcgear.symbolic import Template
 from ltcgear.symbolic.scene import SHIPPED
@@ -121,17 +121,35 @@ def test_a_worker_that_is_killed_takes_no_point_with_it(whole, tmp_path):
     assert_equal(load_sweep(tmp_path / "a.nc"), whole)
 
 
-def test_a_point_that_kills_its_worker_twice_is_a_row(tmp_path):
-    grid = ("loads.ring.speed=5 rpm,10 rpm,12 rpm,15 rpm,20 rpm",)
-    template = Traced(tmp_path / "trace", "lsp", deadly="12 rpm")
-    sweep(template, grid, tmp_path / "a.nc", t_end=0.02, workers=2)
+GRID = ("loads.ring.speed=5 rpm,10 rpm,12 rpm,15 rpm,20 rpm",)
+
+
+def test_a_point_that_crashes_its_worker_twice_is_a_row(tmp_path):
+    template = Traced(tmp_path / "trace", "lsp", deadly="12 rpm", by=signal.SIGSEGV)
+    sweep(template, GRID, tmp_path / "a.nc", t_end=0.02, workers=2)
     found = load_sweep(tmp_path / "a.nc")
     assert [status == "done" for status in found["status"].values] == [True, True, False, True, True]
-    assert "died that computed this point, twice" in str(found["status"].values[2])
+    assert "the process died that computed this point, twice; SIGSEGV" in str(found["status"].values[2])
     assert np.isnan(found["mesh_force_mean"][2]).all()
     assert template._count({"loads.ring.speed": "12 rpm"}) == 2
+
+
+def test_a_point_whose_worker_is_killed_twice_from_outside_is_no_row_until_it_is_left_out(tmp_path):
+    """As where memory runs out: the others are computed, and the sweep is not sealed without it."""
+    template, target = Traced(tmp_path / "trace", "lsp", deadly="12 rpm"), tmp_path / "a.nc"
+    told = r"^point 2 \(loads.ring.speed=12 rpm\): the process was killed .* run the same command again to go on"
+    with pytest.raises(MachineError, match=rf"{told}.*leave out .* with --skip 2; 4 of 5 rows are kept"):
+        sweep(template, GRID, target, t_end=0.02, workers=2)
+    assert not target.exists()
+    assert load_sweep(part_of(target))["point"].values.tolist() == [0, 1, 3, 4]
+    summary = sweep(template, GRID, target, t_end=0.02, workers=2, skip=[2, 3])
+    assert (summary["computed"], summary["kept"]) == (0, 4)
+    assert summary["reasons"] == {"left out by --skip": 1}
+    summary = sweep(Template("lsp"), GRID, target, t_end=0.02, workers=1, retry=True)
+    assert (summary["computed"], summary["kept"], summary["failed"]) == (1, 4, 0)
     once = Traced(tmp_path / "other", "lsp", deadly="12 rpm", times=1)
-    assert sweep(once, grid, tmp_path / "b.nc", t_end=0.02, workers=2)["failed"] == 0
+    assert sweep(once, GRID, tmp_path / "b.nc", t_end=0.02, workers=2)["failed"] == 0
+    assert_equal(load_sweep(target), load_sweep(tmp_path / "b.nc"))
 
 
 def test_a_torn_row_is_computed_again(tmp_path, whole):
@@ -331,7 +349,7 @@ def test_rows_are_kept_where_the_file_cannot_be_written(tmp_path, monkeypatch):
 
     with monkeypatch.context() as full:
         full.setattr(xr.Dataset, "to_netcdf", fail)
-        with pytest.raises(LtcgearError, match=r"HDF error; rows are kept: make room, then run the same command again"):
+        with pytest.raises(LtcgearError, match=r"HDF error; see to that .* then run the same command again to go on"):
             sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)
     assert [path.name for path in tmp_path.iterdir()] == ["a.part.nc"]
     assert sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)["computed"] == 0
@@ -394,7 +412,7 @@ def test_results_and_strange_files_are_no_sweeps(tmp_path, stored):
     with pytest.raises(LtcgearError, match=r"a\.nc: not a sweep; give another -o"):
         sweep(template, VARY, target, **FEW)
     target.write_bytes(b"nothing")
-    with pytest.raises(LtcgearError, match="not a readable NetCDF file"):
+    with pytest.raises(LtcgearError, match="holds something else than a NetCDF file"):
         sweep(template, VARY, target, **FEW)
     with pytest.raises(LtcgearError, match=r"done\.nc: a sweep, not the result of one run"):
         load(stored / "done.nc")

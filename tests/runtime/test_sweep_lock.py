@@ -3,12 +3,13 @@
 import fcntl
 
 import pytest
+from ltcgear.generated import lock
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime import load_sweep, sweep
 from ltcgear.runtime.part import part_of
 from ltcgear.runtime.results import save
-from ltcgear.runtime.sweeping import lock, store, task
 from ltcgear.runtime.sweeping import run as sweeping
+from ltcgear.runtime.sweeping import store, task
 from ltcgear.symbolic import Template
 
 VARY = ("loads.ring.speed=5 rpm:20 rpm", "loads.sun.torque=1e5 N*m:3e5 N*m")
@@ -21,7 +22,7 @@ def test_two_sweeps_do_not_write_one_file(tmp_path):
     def again(stage, done, total, failed):
         if stage == "simulate" and not tried:
             tried.append(done)
-            with pytest.raises(LtcgearError, match="another sweep is writing it"):
+            with pytest.raises(LtcgearError, match="another run or sweep is writing it"):
                 sweep(Template("lsp"), VARY, target, **FEW)
 
     sweep(Template("lsp"), VARY, target, told=again, **FEW)
@@ -53,7 +54,7 @@ def test_a_sweep_that_is_refused_shortens_no_file(tmp_path, monkeypatch, opened)
         if (stage, done) == ("simulate", 6):
             with monkeypatch.context() as patch:
                 patch.setattr(store, "_open", late)
-                with pytest.raises(LtcgearError, match="another sweep is writing it"):
+                with pytest.raises(LtcgearError, match="another run or sweep is writing it"):
                     store.Store(*opened)
             refused.append(int.from_bytes(part_of(target).read_bytes()[4:8], "big"))
 
@@ -64,10 +65,10 @@ def test_a_sweep_that_is_refused_shortens_no_file(tmp_path, monkeypatch, opened)
 
 
 def test_nothing_is_written_without_the_lock_and_a_stale_one_is_none(tmp_path):
-    target, held = tmp_path / "a.nc", store.lock_of(tmp_path / "a.nc")
+    target, held = tmp_path / "a.nc", lock.lock_of(tmp_path / "a.nc")
     with held.open("ab") as file:
         fcntl.flock(file, fcntl.LOCK_EX)
-        with pytest.raises(LtcgearError, match=r"a\.part\.nc: another sweep is writing it; wait"):
+        with pytest.raises(LtcgearError, match=r"a\.nc: another run or sweep is writing it; wait"):
             sweep(Template("lsp"), VARY, target, **FEW)
         assert list(tmp_path.iterdir()) == [held]
     assert sweep(Template("lsp"), VARY, target, **FEW)["computed"] == 6
@@ -76,7 +77,7 @@ def test_nothing_is_written_without_the_lock_and_a_stale_one_is_none(tmp_path):
 
 def test_a_lock_that_was_removed_meanwhile_is_none(tmp_path, monkeypatch):
     path, flock, opened = tmp_path / "lock", fcntl.flock, []
-    first = lock.Lock(path, "busy")
+    first = lock.Lock(path)
 
     def slow(file, how):
         opened.append(file)
@@ -85,12 +86,12 @@ def test_a_lock_that_was_removed_meanwhile_is_none(tmp_path, monkeypatch):
         flock(file, how)
 
     monkeypatch.setattr(fcntl, "flock", slow)
-    second = lock.Lock(path, "busy")
+    second = lock.Lock(path)
     assert len(opened) == 2
-    with pytest.raises(LtcgearError, match="busy"):
-        lock.Lock(path, "busy")
+    with pytest.raises(LtcgearError, match="is writing it"):
+        lock.Lock(path)
     second.release()
-    assert not path.exists()
+    assert not lock.lock_of(path).exists()
 
 
 def test_a_file_without_all_points_is_not_finished(tmp_path, monkeypatch, opened):

@@ -80,7 +80,7 @@ def test_a_share_in_percent_is_a_plain_number(written):
 
 @pytest.mark.parametrize("table", [Gust(torque=[["0.1 s", "7 N*m"], ["33 ms", "0 N*m"]][::-1]), None])
 def test_it_comes_back_bit_for_bit(table):
-    numbers = [(math.pi * 0.1**k, (-1) ** k * math.e * 10.0**k) for k in range(20, -1, -1)]
+    numbers = [(math.pi * 0.1**k, (-1) ** k * math.e * 10.0 ** (k - 11)) for k in range(20, -1, -1)]
     table = table or Gust(torque=[[f"{a!r} s", f"{b!r} N*m"] for a, b in numbers])
     assert Gust.model_validate_json(table.model_dump_json()) == table
     assert json.loads(table.model_dump_json())["torque"][0][0].endswith(" s")
@@ -172,7 +172,7 @@ def test_a_file_that_cannot_be_read_is_refused(tmp_path):
     assert "cannot be read" in refusal("x" * 5000, tmp_path)
     assert "no such file" in refusal("nul\0byte", tmp_path)
     assert "no such file" in refusal("1.5 kN*m", tmp_path)
-    assert "no such file" in refusal("/dev/zero", tmp_path)
+    assert "'/dev/zero': is a device" in refusal("/dev/zero", tmp_path)
 
 
 def test_the_faults_of_many_rows_are_counted(written):
