@@ -22,7 +22,7 @@ from ltcgear.symbolic.effects import EFFECTS
 from ltcgear.symbolic.model import Model
 from ltcgear.symbolic.pipeline import content_key, generate
 from ltcgear.symbolic.report import load_warnings
-from ltcgear.symbolic.scene import SHIPPED, describe_scene, read_scene_text, restore_scene, shipped_scenes
+from ltcgear.symbolic.scene import SHIPPED, describe_scene, read_source, restore_scene, shipped_scenes
 
 from .mutations import TEXTS, Mutator, damage, look, places, write_toml
 from .outcome import RIGHT, STOPPED, Verdict
@@ -82,10 +82,11 @@ def attack(folder: Path, data: bytes, changes: dict[str, str], derived: bool) ->
     """Take a scene as far as it goes."""
     (folder / "scene.toml").write_bytes(data)
     (folder / "changes.txt").write_text(repr(changes), "utf-8", "surrogatepass")
-    scene = load_scene("scene.toml", changes)
+    source = read_source("scene.toml")
+    scene = load_scene(source, changes)
     model = build_model(scene)
     told = [*warnings(scene, model), *load_warnings(scene)]
-    kept = describe_scene(scene, read_scene_text("scene.toml"), changes)
+    kept = describe_scene(scene, source.text, changes)
     if restore_scene(kept["scene_json"]) != scene:
         return Verdict(BAD_NUMBERS, "the scene that a result keeps is another")
     artifact = store.get(content_key(model))
