@@ -83,7 +83,9 @@ def test_a_file_that_the_disk_cannot_hold_is_refused_before_anything_is_written(
     c = case("psh")
     usage = namedtuple("usage", "total used free")
     monkeypatch.setattr(shutil, "disk_usage", lambda path: usage(10**12, 10**12, 10**6))
-    with pytest.raises(LtcgearError, match=r"a\.nc: the disk is full: the result would take \S+ MB, and 1 MB are free; "):
+    with pytest.raises(
+        LtcgearError, match=r"a\.nc: the disk is full: the result would take \S+ MB, and 1 MB are free; "
+    ):
         record(c.library, c.model.values(), tmp_path / "a.nc", t_end=1.0, rate=1e5)
     assert not list(tmp_path.iterdir())
     assert record(c.library, c.model.values(), tmp_path / "a.nc", t_end=0.01, rate=8192.0)["status"] == "done"
