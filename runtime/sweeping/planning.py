@@ -35,13 +35,16 @@ FIXED = ("simulation",)
 
 def choose_common_rate(maker: Maker, points: Sequence[Mapping[str, str]]) -> float:
     """Choose one sampling rate for all points [Hz]: the highest that some of them, their ends among them, call for."""
-    found = []
+    found, reasons = list[float](), list[str]()
     for changes in [*points[: MOST_TRIED - 1], *points[MOST_TRIED - 1 :][-1:]]:
-        with own_reason():
+        with own_reason(reasons.append):
             _, values, tables = maker.make(changes)
             found.append(find_rate(build(maker.obtain(changes)), values, tables, None).rate)
     if not found:
-        raise LtcgearError("no end of the axes can begin, so no sampling rate follows; give simulation.rate")
+        raise LtcgearError(
+            f"no end of the axes can begin ({reasons[0]}), so no sampling rate follows; "
+            "give --set simulation.rate='8192 Hz', or other values"
+        )
     return max(found)
 
 
