@@ -83,6 +83,7 @@ def make_case(seed: int, number: int) -> Case:
 
 def _damaged(folder: Path, name: str, generator: np.random.Generator) -> Path:
     """Put a damaged copy of a file into a folder."""
+    (given := folder / "given").mkdir(exist_ok=True)
     path, draw = folder / name, generator.random()
     shutil.copy(originals() / name, path)
     if draw < 0.25 and path.suffix == ".nc":
@@ -95,6 +96,7 @@ def _damaged(folder: Path, name: str, generator: np.random.Generator) -> Path:
     else:
         data = path.read_bytes()
         path.write_bytes(damage(data, generator))
+    shutil.copy(path, given / name)
     return path
 
 
