@@ -24,14 +24,14 @@ from ltcgear.symbolic.pipeline import content_key, generate
 from ltcgear.symbolic.report import load_warnings
 from ltcgear.symbolic.scene import SHIPPED, describe_scene, read_source, restore_scene, shipped_scenes
 
-from .mutations import TEXTS, Mutator, damage, look, places, write_toml
+from .mutations import TEXTS, Mutator, damage, places, write_toml
 from .outcome import RIGHT, STOPPED, Verdict
 from .outcome import WRONG as BAD_NUMBERS
 from .process import Case
 
 ROOT = Path(__file__).resolve().parents[2]
-COUNT, SECONDS = 3200, 20.0
-T_END, PATIENCE = 0.02, 1.0
+COUNT, SECONDS = 3000, 20.0
+T_END, PATIENCE = 0.02, 0.7
 """Time that is simulated [s]; seconds after which Ctrl-C stops a run."""
 DERIVED = 0.15
 """Part of the scenes of new structure whose equations are derived, for their equilibrium."""
@@ -69,7 +69,9 @@ def make_case(seed: int, number: int) -> Case:
         name, data = "--set", write_toml(raw).encode("utf-8", "surrogatepass")
         for _ in range(int(generator.integers(1, 4))):
             key = ".".join(map(str, mutator.one(places(raw))))
-            changes[mutator.one([key, key, key, key + ".x", *TEXTS])] = mutator.one([*TEXTS, "1", "5e3 N*m", "on", "[]"])
+            changes[mutator.one([key, key, key, key + ".x", *TEXTS])] = mutator.one(
+                [*TEXTS, "1", "5e3 N*m", "on", "[]"]
+            )
     elif way < 0.2:
         name, data = "bytes", damage(write_toml(raw).encode(), generator)
     else:
