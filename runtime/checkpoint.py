@@ -17,6 +17,7 @@ from ltcgear.generated.writing import follow, written_whole
 from .library import Library
 from .march import Snapshot
 from .signals import Pairs
+from .sums import digest_arrays
 
 AGAIN = "--force in place of --resume begins anew"
 ROUNDED = 1e-13
@@ -66,6 +67,7 @@ def write_checkpoint(target: Path, description: Mapping[str, Any], kept: Snapsho
         If it cannot be written.
     """
     arrays: dict[str, Any] = {**kept, "description": np.array(json.dumps(description))}
+    arrays["digest"] = np.array(digest_arrays(arrays))
     path = checkpoint_of(target)
     retry = "--resume goes on" if path.exists() else "run the same command again"
     with written_whole(path, retry) as draft, draft.open("wb") as file:
@@ -86,6 +88,8 @@ def read_checkpoint(target: Path, description: Mapping[str, Any]) -> Snapshot:
     try:
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             kept = dict(file)
+        if str(kept.pop("digest")) != digest_arrays(kept):
+            raise ValueError("not what was written")
         found = json.loads(str(kept.pop("description")))
         if not isinstance(found, dict):
             raise ValueError("no description")

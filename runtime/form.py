@@ -8,6 +8,7 @@ import numpy as np
 
 from .attributes import STATISTICS
 from .quantities import LONG_NAMES
+from .sums import find_changed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,7 +44,7 @@ FIXED = ("statistics", "speed_ratio", "parameter_value")
 
 def find_fault(dataset: "xr.Dataset") -> str:
     """Say what is not as ltcgear writes it; "" where all is well."""
-    return next((fault for part in (_attributes, _variables, _time) for fault in part(dataset)), "")
+    return next((fault for part in (_attributes, _variables, _time, _sums) for fault in part(dataset)), "")
 
 
 def fits(value: object, shape: Any) -> bool:  # noqa: ANN401
@@ -114,3 +115,9 @@ def _time(dataset: "xr.Dataset") -> Iterator[str]:
         yield "time does not rise"
     elif steps.size and steps.max() > steps.min() * (1 + 1e-6) + 1e-12 * abs(time[-1]):
         yield "samples are not equally far apart"
+
+
+def _sums(dataset: "xr.Dataset") -> Iterator[str]:
+    """Yield the attribute that was changed since it was written."""
+    if changed := find_changed(dataset):
+        yield f"attribute {changed} is not what was written"

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ltcgear.generated.writing import written_whole
 
+from .sums import add_sums
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -21,7 +23,7 @@ def save(dataset: "xr.Dataset", path: Path, retry: str = "run the same command a
     Parameters
     ----------
     dataset
-        What is written; variables with numbers get check sums.
+        What is written; variables with numbers and attributes get check sums.
     path
         The file.
     retry
@@ -34,9 +36,10 @@ def save(dataset: "xr.Dataset", path: Path, retry: str = "run the same command a
     MachineError
         If it cannot be written.
     """
+    summed = add_sums(dataset)
     with written_whole(path, retry) as draft:
-        begin(draft, dataset)
-        fill(draft, dataset)
+        begin(draft, summed)
+        fill(draft, summed)
 
 
 def begin(draft: Path, dataset: "xr.Dataset", more: int = 0) -> None:

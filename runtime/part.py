@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from .classic import BROKEN, COUNT, Layout, make_heading, read_layout
 from .netcdf import begin, fill
+from .sums import add_sums
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -167,6 +168,7 @@ class Part:
         """
         import netCDF4
 
+        heading = add_sums(heading)
         fixed = heading.drop_dims(self.along)
         fixed.encoding = {}
         with written_whole(self.target, self.goes_on) as draft:

@@ -12,6 +12,7 @@ from ltcgear.generated.errors import LtcgearError
 from .attributes import read_summary
 from .form import FORM, find_fault
 from .netcdf import save
+from .sums import SUMS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -176,6 +177,7 @@ def load(path: str | Path) -> Result:
     except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF4 file ({error}); simulate again") from error
     _check_form(path, dataset)
+    dataset.attrs.pop(SUMS, None)
     return Result(dataset, read_summary(dataset.attrs))
 
 

@@ -72,6 +72,6 @@ def check_room(library: Library, samples: float, target: Path) -> None:
     need, have = bytes_on_disk(library, samples), float(shutil.disk_usage(follow(target).parent).free)
     if need > have:
         raise MachineError(
-            f"{target}: the disk is full: the result would take {need / MEGA:.3g} MB, and {have / MEGA:.3g} MB are free; "
-            "make room, then run the same command again, or lower t_end or rate, or name a file elsewhere"
+            f"{target}: the disk is full: the result would take {need / MEGA:.3g} MB, and {have / MEGA:.3g} MB are "
+            "free; make room, then run the same command again, or lower t_end or rate, or name a file elsewhere"
         )

@@ -22,6 +22,7 @@ from ..attributes import UNFINISHED
 from ..checkpoint import tell_differences
 from ..netcdf import save
 from ..part import IDENTITY, Part, part_of, read_part
+from ..sums import SUMS, find_changed
 from .design import Design
 from .reading import DONE, WARNINGS, is_done
 from .task import Outcome
@@ -267,6 +268,9 @@ def _open(path: Path) -> "xr.Dataset":
             found = opened.load()
     except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF file ({error}); {CURE}") from error
+    if changed := find_changed(found):
+        raise LtcgearError(f"{path}: damaged: attribute {changed} is not what was written; {CURE}")
+    found.attrs.pop(SUMS, None)
     if not {KIND, ABOUT, "design"} <= set(found.attrs) or "point" not in found.dims or "status" not in found:
         raise LtcgearError(f"{path}: not a sweep; {CURE}")
     if found.attrs[KIND] not in READ:

@@ -232,6 +232,21 @@ def test_attributes_that_are_damaged_are_told(file, tmp_path, name, value, told)
     )
 
 
+def test_attributes_that_were_changed_are_told(file, tmp_path):
+    """What somebody adds is none of ltcgear's, and what Python writes anew has new sums."""
+    for change, told in (
+        (lambda opened: opened.setncattr("band_hz", 5.0), "attribute band_hz"),
+        (lambda opened: opened.delncattr("title"), "attribute title"),
+        (lambda opened: opened["mesh_force"].setncattr("units", "kN"), "attribute mesh_force:units"),
+        (lambda opened: opened.setncattr(SUMS, "{}x"), f"attribute {SUMS}"),
+    ):
+        assert f"damaged: {told} is not what was written" in refusal(changed(file, tmp_path, change))
+    result = load(changed(file, tmp_path, lambda opened: opened.setncattr("comment", "mine")))
+    result.dataset.attrs["title"] = "other"
+    result.save(tmp_path / "b.nc")
+    assert load(tmp_path / "b.nc").dataset.attrs["title"] == "other"
+
+
 def test_variables_that_are_missing_are_told(file, tmp_path):
     for name in ("state", "speed_ratio", "twist"):
         told = refusal(changed(file, tmp_path, lambda opened, name=name: opened.renameVariable(name, "stated")))

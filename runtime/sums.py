@@ -1,0 +1,56 @@
+"""Check sums of what files tell: of attributes, each by its name, and of arrays together."""
+
+import hashlib
+import json
+import zlib
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SUMS = "attribute_sums"
+"""Attribute with the check sums of all others (CRC-32), as JSON; those of a variable are VARIABLE:ATTRIBUTE."""
+
+
+def add_sums(dataset: "xr.Dataset") -> "xr.Dataset":
+    """Return a dataset with check sums of its attributes; what somebody adds to a file later has none."""
+    found = {name: _sum(value) for name, value in _list_attributes(dataset) if name != SUMS}
+    return dataset.assign_attrs({SUMS: json.dumps(found)})
+
+
+def find_changed(dataset: "xr.Dataset") -> str:
+    """Return the first attribute that is not what was written; "" where all are, or none has a check sum."""
+    if SUMS not in dataset.attrs:
+        return ""
+    found = {name: _sum(value) for name, value in _list_attributes(dataset)}
+    try:
+        known = dict(json.loads(dataset.attrs[SUMS]))
+    except (TypeError, ValueError, RecursionError):
+        return SUMS
+    return next((name for name in known if found.get(name) != known[name]), "")
+
+
+def _list_attributes(dataset: "xr.Dataset") -> Iterator[tuple[str, Any]]:
+    """Yield all attributes of a dataset and its variables."""
+    yield from ((str(name), value) for name, value in dataset.attrs.items())
+    for variable, data in dataset.variables.items():
+        yield from ((f"{variable}:{name}", value) for name, value in data.attrs.items())
+
+
+def _sum(value: Any) -> str:  # noqa: ANN401
+    """Return the check sum of an attribute, which NetCDF keeps as text or as a number."""
+    text = value if isinstance(value, str) else repr(np.asarray(value).tolist())
+    return f"{zlib.crc32(text.encode('utf-8', 'surrogatepass')):08x}"
+
+
+def digest_arrays(arrays: Mapping[str, Any]) -> str:
+    """Return the digest of named arrays: names, types, shapes and content."""
+    state = hashlib.sha256()
+    for name in sorted(arrays):
+        array = np.asarray(arrays[name])
+        state.update(f"{name}:{array.dtype.str}:{array.shape}:".encode())
+        state.update(np.ascontiguousarray(array).tobytes())
+    return state.hexdigest()
