@@ -6,7 +6,7 @@ PYTHON ?= python3
 export OPENBLAS_NUM_THREADS ?= 1
 BIN := .venv/bin
 
-.PHONY: rig paper test arithmetic lint regenerate docs site clean
+.PHONY: rig paper test arithmetic torture lint regenerate docs site clean
 
 rig: .venv/rig
 	$(BIN)/ltcgear generate rig-2mw
@@ -22,6 +22,10 @@ test: .venv/test
 # Sensitive tests under other instructions and libraries' variants; writes the table of docs/arithmetic.md.
 arithmetic: .venv/test
 	$(BIN)/python -m benchmarks.arithmetic
+
+# Thousands of seeded attacks; writes the table of docs/torture.md where none finds anything.
+torture: .venv/test
+	$(BIN)/python -m tests.torture
 
 lint: .venv/test
 	$(BIN)/ruff check .

@@ -112,6 +112,8 @@ def search(unknowns: list[Unknown], told: Callable[[str], None] = print) -> tupl
         made = fit(rig.library, rig.parameters, unknowns, rig_targets(), SPAN, z, most=TRIALS)
         fits.append((rig, made))
         told(f"{' '.join(rig.reading.values())}: {made.misfit:.2f} + {made.strayed:.2f} {made.forecast.round(3)}")
+        for warning in made.warnings:
+            told(f"warning: {warning}")
 
     for _, rig in found[:CLOSER]:
         for _, z in screen(rig.residuals, spread_points(unknowns, CLOSE_POINTS, SEED))[:SEARCHES]:

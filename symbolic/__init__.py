@@ -11,6 +11,7 @@ _HOME = {
     "describe_scene": "scene",
     "load_scene": "scene",
     "make_scene": "scene",
+    "read_source": "scene",
     "restore_scene": "scene",
     "shipped_scenes": "scene",
     "Template": "template",

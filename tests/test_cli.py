@@ -522,7 +522,7 @@ cli.main()
 
 @pytest.mark.parametrize("delay", [0.0, 3.0], ids=["while it starts", "while it integrates"])
 def test_control_c_is_exit_code_130(delay):
-    command = [sys.executable, "-c", STARTED, "simulate", "lsp", "--t-end", "1000"]
+    command = [sys.executable, "-c", STARTED, "simulate", "lsp", "--t-end", "1000", "--set", "simulation.rate=100 Hz"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
         assert program.stdout is not None
         assert program.stdout.readline() == "ready\n"

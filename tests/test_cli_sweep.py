@@ -97,3 +97,12 @@ def test_ctrl_c_keeps_rows_and_the_same_command_goes_on(data, tmp_path):
     assert 5 < kept < 200
     shown = data("sweep", "lsp", *vary, "-o", target)
     assert (shown["kept"], shown["computed"], shown["failed"]) == (kept, 200 - kept, 0)
+
+
+def test_a_point_is_left_out_and_failed_ones_are_computed_again(run, data, tmp_path):
+    target = tmp_path / "a.nc"
+    shown = data("sweep", "lsp", *SPEEDS, "--skip", "1", "--skip", "3", "-o", target)
+    assert (shown["computed"], shown["failed"], shown["reasons"]) == (2, 2, {"left out by --skip": 2})
+    assert "2 points computed, 2 were there; 0 failed" in run("sweep", "lsp", *SPEEDS, "--retry", "-o", target)[1]
+    code, _, err = run("sweep", "lsp", *SPEEDS, "--skip", "9", "-o", tmp_path / "b.nc")
+    assert (code, err) == (2, "ltcgear: --skip 9: no such point; they are numbered from 0 to 3\n")

@@ -12,6 +12,7 @@ import xarray as xr
 from ltcgear.generated.lock import Lock
 from ltcgear.generated.writing import force
 from ltcgear.runtime import part, recording
+from ltcgear.runtime.part import part_of
 from ltcgear.runtime.results import load
 from ltcgear.symbolic.scene import SHIPPED
 
@@ -271,3 +272,34 @@ def _psh():
 
     c = case("psh")
     return c.library, c.model.values()
+
+
+# --- advice works
+
+
+def test_what_refusals_advise_works(run, refused, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    command = ("simulate", "psh", *RUN, "-o")
+    assert "name it x.nc" in refused(*command, "x.dat")
+    assert "make it first" in refused(*command, "runs/x.nc")
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / "x.checkpoint.npz").mkdir()
+    assert "x.checkpoint.npz: is a folder; give a file name" in refused(*command, "runs/x.nc")
+    assert "leave out --resume" in refused(*command, "y.nc", "--resume")
+    assert "give one of them" in refused(*command, "y.nc", "--resume", "--force")
+    assert "--resume: say which result is to go on, -o FILE.nc" in refused("simulate", "psh", *RUN, "--resume")
+    for target in ("x.nc", "runs/y.nc", "y.nc"):
+        assert run(*command, target)[0] == 0
+
+
+def test_an_unfinished_run_is_begun_anew_once_its_rows_are_deleted(run, refused, tmp_path):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(part.Part, "seal", lambda self, heading: None)
+        patch.setattr(part.Part, "remove", lambda self: None)
+        run("simulate", "psh", *RUN, "-o", tmp_path / "a.nc")
+    assert part_of(tmp_path / "a.nc").exists()
+    text = refused("simulate", "psh", *RUN, "-o", tmp_path / "a.nc")
+    assert "to begin anew, delete it or give --force" in text
+    part_of(tmp_path / "a.nc").unlink()
+    assert run("simulate", "psh", *RUN, "-o", tmp_path / "a.nc")[0] == 0
+    assert load(tmp_path / "a.nc").summary["status"] == "done"

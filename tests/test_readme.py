@@ -1,105 +1,106 @@
-"""README.md and pages of docs/: what they show runs as it stands."""
+"""README.md and pages of docs/: what they show runs as it stands, in the order in which a reader meets it."""
 
+import importlib.util
 import re
-import shlex
-import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from ltcgear.symbolic import build_model, load_scene
 
-ROOT = Path(__file__).parents[1]
-PAGES = (
-    "README.md", "docs/getting-started.md", "docs/from-drawing.md", "docs/scenes.md", "docs/ensembles.md",
-    "docs/modes.md", "docs/analysis.md",
-)  # fmt: skip
+from regenerate import ROOT
 
 
-def blocks(page, language):
-    """Return the fenced blocks of a language, each as a parameter named by page and number."""
-    found = re.findall(rf"^```{language}\n(.*?)^```$", (ROOT / page).read_text("utf-8"), re.DOTALL | re.MULTILINE)
-    return [pytest.param(text, id=f"{page} {number}") for number, text in enumerate(found, start=1)]
+def _load():
+    """Load what the big run reads pages by, which stands apart from the tests."""
+    spec = importlib.util.spec_from_file_location("torture_pages", ROOT / "tests/torture/pages.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
 
 
-def every(language):
-    """Return the blocks of a language on all pages."""
-    found = [block for page in PAGES for block in blocks(page, language)]
-    assert found
-    return found
+PAGES = _load()
+PINS = " ".join((
+    "ltcgear sweep lsp -o pins.nc --sample normal --points 1000 --t-end 0.75 --set effects.planet_position_error=on",
+    "--set 'stages.lsp.position_errors=[{planet=1}, {planet=2}, {planet=3}, {planet=4}]'",
+    *(f"--vary 'stages.lsp.position_errors.{i}.tangential=0 um:20 um'" for i in range(4)),
+))  # fmt: skip
+COSTLY = {
+    "ltcgear accuracy lsp -o accuracy": "every method at many tolerances; tests/test_cli_accuracy.py has it small",
+    "ltcgear simulate lsp --accuracy 0.1%": "measures first; tests/test_cli_accuracy.py has it small",
+    "ltcgear simulate rig-2mw --set effects.mesh_law=paper --method cvodes --verify": "three runs of the rig by CVODES",
+    "ltcgear book rig-2mw -o rig.html --json": "typesets 5000 operations; tests/test_book_pages.py reads it",
+    "ltcgear export-fmu rig-2mw -o rig-me.fmu --kind model-exchange": "compiles the rig once more",
+    "ltcgear simulate rig-2mw --t-end 2 --verify -o rig.nc": "three runs; the page of analysis has one",
+    "ltcgear report rig.nc -o rig.html": "needs that run",
+    "ltcgear report rig.nc -o rig.html --at 0.05": "likewise",
+    "ltcgear campbell rig-2mw --speed 10:20:41 --harmonics 5 --sidebands -o campbell.png": "41 speeds of the rig",
+    "ltcgear stability lsp --speed 100:700:60 --variation 0:3:40 -o chart.png": "2400 points",
+    PINS: "1000 runs; tests/runtime/test_sweep_sharing.py has fewer",
+}  # fmt: skip
+"""Commands that only `make torture` runs, and why."""
+SHOWN = [page for page in PAGES.pages() if PAGES.read_steps(page)]
 
 
-def commands(page):
-    """Return the ltcgear lines of a page's shell blocks."""
-    lines = [line for block in blocks(page, "sh") for line in block.values[0].splitlines()]
-    return [shlex.split(line, comments=True) for line in lines if line.startswith("ltcgear ")]
+def is_left(step):
+    """Whether a step is not run here."""
+    return step.head in PAGES.NOT_RUN or " ".join(step.head.split()) in COSTLY
 
 
-def started(command, folder):
-    """Start a command line in a folder; it must succeed."""
-    program = Path(sys.executable).with_name("ltcgear")
-    done = subprocess.run([program, *command[1:]], cwd=folder, capture_output=True, text=True, check=False, timeout=180)
-    assert done.returncode == 0, done.stderr
+@pytest.mark.parametrize("page", SHOWN)
+def test_a_page_runs_as_it_stands(page, tmp_path):
+    for step in PAGES.read_steps(page):
+        if not is_left(step):
+            assert PAGES.run_step(step, tmp_path, 300) == "", step.head
 
 
-@pytest.mark.parametrize("text", every("toml"))
+def test_what_is_left_out_stands_on_a_page():
+    heads = {" ".join(step.head.split()) for page in SHOWN for step in PAGES.read_steps(page)}
+    assert {*COSTLY, *PAGES.NOT_RUN} <= heads
+
+
+@pytest.mark.parametrize("page", PAGES.pages())
+def test_no_command_of_a_block_is_overlooked(page):
+    """Whatever looks like a command in a fence, in whatever language, is a step."""
+    text = (ROOT / page).read_text("utf-8").replace("\\\n", " ")
+    lines = [
+        line.strip() for block in re.findall(r"^ *```.*?^ *```", text, re.DOTALL | re.MULTILINE)
+        for line in block.splitlines()
+    ]  # fmt: skip
+    typed = [
+        line.removeprefix("$ ")
+        for line in lines
+        if re.match(r"(\$ )?((ltcgear|make|cc|python3?|pip|dask) |\./\w)", line)
+    ]
+    known = [step.text.strip() for step in PAGES.read_steps(page)]
+    assert [line for line in typed if line not in known] == []
+
+
+def scenes():
+    """Return the scenes of all pages."""
+    found = [(page, step) for page in SHOWN for step in PAGES.read_steps(page) if step.kind == PAGES.SCENE]
+    assert len(found) >= 4
+    return [pytest.param(step.text.partition("\n")[2], id=f"{page} {step.number}") for page, step in found]
+
+
+@pytest.mark.parametrize("text", scenes())
 def test_scenes_load(text, tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(text, encoding="utf-8")
     assert build_model(load_scene(path)).instances
 
 
-@pytest.mark.parametrize("text", every("python"))
-def test_python_runs(text, tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", text], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=180
-    )
-    assert done.returncode == 0, done.stderr
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """Where README's commands are typed, one after the other."""
-    return tmp_path_factory.mktemp("readme")
-
-
-@pytest.mark.parametrize("command", [pytest.param(one, id=" ".join(one)) for one in commands("README.md")])
-def test_commands_run(command, folder):
-    started(command, folder)
-
-
-def test_the_page_of_results_runs(tmp_path):
-    page = "docs/results.md"
-    started(["ltcgear", "simulate", "lsp", "-o", "lsp.nc"], tmp_path)
-    for command in commands(page):
-        started(command, tmp_path)
-    for block in blocks(page, "python"):
-        test_python_runs(block.values[0], tmp_path)
-    assert (tmp_path / "lsp.csv").stat().st_size > 1e4
-
-
 def test_the_scene_of_the_readme_simulates(tmp_path):
-    (tmp_path / "hoist.toml").write_text(blocks("README.md", "toml")[0].values[0], encoding="utf-8")
-    program = Path(sys.executable).with_name("ltcgear")
-    for command in (["info"], ["simulate", "--t-end", "0.02"]):
-        done = subprocess.run(
-            [program, command[0], "hoist.toml", *command[1:]],
-            cwd=tmp_path, capture_output=True, text=True, check=False, timeout=180,
-        )  # fmt: skip
-        assert (done.returncode, done.stderr) == (0, "")
+    (scene,) = [step for step in PAGES.read_steps("README.md") if step.kind == PAGES.SCENE]
+    assert scene.text.startswith("hoist.toml\n")
+    assert PAGES.run_step(scene, tmp_path) == ""
+    for number, line in enumerate(("ltcgear info hoist.toml", "ltcgear simulate hoist.toml --t-end 0.02")):
+        assert PAGES.run_step(PAGES.Step("README.md", number, PAGES.SHELL, line, None), tmp_path) == ""
 
 
-@pytest.mark.parametrize(
-    ("page", "scene"), [("docs/getting-started.md", "fan.toml"), ("docs/from-drawing.md", "winch.toml")]
-)
-def test_the_commands_of_a_guide_run(page, scene, tmp_path):
-    (tmp_path / scene).write_text(blocks(page, "toml")[0].values[0], encoding="utf-8")
-    for command in commands(page):
-        started(command, tmp_path)
-    assert list(tmp_path.glob("*.nc"))
-
-
-def test_the_page_of_analysis_runs(tmp_path):
-    for command in commands("docs/analysis.md"):
-        started(command, tmp_path)
-    assert (tmp_path / "figures" / "orbits.svg").is_file()
+def test_a_command_that_fails_or_says_something_else_is_seen(tmp_path):
+    for kind, text, said in (
+        ("sh", "ltcgear info nothing", None), ("python", "import ltcgear.nothing", None),
+        ("console", "ltcgear --version", "no\n"),
+    ):  # fmt: skip
+        assert PAGES.run_step(PAGES.Step("a page", 1, kind, text, said), tmp_path)

@@ -46,6 +46,8 @@ class Fit:
         Sums of squares: of the targets' residuals, and of z.
     runs, message
         Runs that were made, and how the search ended.
+    warnings
+        What the run there is warned about.
     """
 
     z: Vector
@@ -55,6 +57,7 @@ class Fit:
     strayed: float
     runs: int
     message: str
+    warnings: tuple[str, ...] = ()
 
 
 def fit(
@@ -143,9 +146,9 @@ class _Search:
 
     def conclude(self, z: Vector, message: str) -> Fit:
         """Return what is known of a point."""
-        slopes, said = self.slopes(z), self.at(z)[1]
+        slopes, (forecast, said) = self.slopes(z), self.at(z)
         misfit = float(np.sum(((said - self.known) / self.sigma) ** 2))
-        return Fit(z.copy(), said.copy(), slopes.copy(), misfit, float(z @ z), self.runs, message)
+        return Fit(z.copy(), said.copy(), slopes.copy(), misfit, float(z @ z), self.runs, message, forecast.warnings())
 
 
 def parameter_slopes(values: Values, z: Vector) -> Vector:

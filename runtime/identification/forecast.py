@@ -18,6 +18,7 @@ from ..sensitivity.worth import find_output, find_worth
 Vector = NDArray[np.float64]
 LOAD_FACTOR = "load-factor"
 """Measure beside those of ``worth.MEASURES``: the largest value over the static one, the mean of a steady force."""
+PULLS = "{}: pulls with up to {:.4g} N, where teeth would part; set effects.contact to one-flank or backlash"
 
 
 @dataclass(frozen=True)
@@ -85,6 +86,15 @@ class Forecast:
     def gradients(self) -> Vector:
         """Return the derivatives with respect to the parameters, shape (targets, n_p)."""
         return np.array([self._gradient(k) for k in range(len(self.targets))])
+
+    def warnings(self) -> tuple[str, ...]:
+        """Say which meshes pull at some time of the run, of models whose teeth cannot part; their forces are none."""
+        reports = self.library.manifest.reports
+        meshes = [place for place, report in enumerate(reports) if report.quantity == "mesh_force"]
+        if any(report.quantity == "mesh_contact" for report in reports):
+            return ()
+        lowest = [(reports[place].item, find_worth(self.course, place, "min", 0.0).value) for place in meshes]
+        return tuple(PULLS.format(mesh, -force) for mesh, force in lowest if force < 0)
 
     def _measure(self, k: int) -> str:
         wanted = self.targets[k].measure

@@ -15,6 +15,12 @@ NUMBER = re.compile(r"([+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?|(?:
 MOST = 1_000_000
 """Points of an axis, and of a sweep, at most."""
 EXAMPLE = "write NAME=a:b:n, NAME=a:b or NAME=v1,v2,v3, such as loads.ring.speed='5 rpm:20 rpm:11'"
+LONGEST = 500
+"""Characters of a key, and of a value, at most."""
+MOST_AXES, MOST_ITEMS = 60, 1000
+"""Axes of a sweep, and values of a list, at most; each of a list's may be a structure of its own."""
+LARGEST = 1e300
+"""Size of a bound at most, so that ranges and draws are finite."""
 WHOLE = 2.0**53
 """Size up to which every whole number is a float."""
 
@@ -82,8 +88,11 @@ class Axis:
 
     @classmethod
     def from_json(cls, kept: Mapping[str, Any]) -> "Axis":
-        """Return the axis that ``to_json`` wrote."""
-        return cls(**{**kept, "items": tuple(kept["items"])})
+        """Return the axis that ``to_json`` wrote; ValueError where it has more points than any."""
+        axis = cls(**{**kept, "items": tuple(kept["items"])})
+        if axis.count is not None and not 1 <= axis.count <= MOST:
+            raise ValueError(f"an axis of {axis.count} points")
+        return axis
 
 
 def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
@@ -97,6 +106,8 @@ def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
     axes = tuple(read_axis(text) for text in texts)
     if not axes:
         raise LtcgearError(f"--vary: a sweep varies one key of the scene at least; {EXAMPLE}")
+    if len(axes) > MOST_AXES:
+        raise LtcgearError(f"--vary: {len(axes)} keys are varied, {MOST_AXES} at most are served; take fewer")
     keys = [axis.key for axis in axes]
     for key in keys:
         if keys.count(key) > 1:
@@ -120,6 +131,8 @@ def read_axis(text: str) -> Axis:
         raise LtcgearError(f"{label}: no key of the scene; {EXAMPLE}")
     if not values:
         raise LtcgearError(f"{label}: no values; {EXAMPLE}")
+    if len(key) > LONGEST or max(map(len, re.split("[,:]", values))) > LONGEST:
+        raise LtcgearError(f"{label}: keys and values have {LONGEST} characters at most; {EXAMPLE}")
     parts = [part.strip() for part in values.split(":")]
     if len(parts) == 1:
         return Axis(key, items=_read_items(values, label))
@@ -137,6 +150,8 @@ def read_axis(text: str) -> Axis:
 def _read_items(text: str, label: str) -> tuple[str, ...]:
     """Read the values of a list, each once."""
     items = tuple(item.strip() for item in text.split(","))
+    if len(items) > MOST_ITEMS:
+        raise LtcgearError(f"{label}: {len(items)} values, a list has {MOST_ITEMS} at most; write NAME=a:b:n")
     if not all(items):
         raise LtcgearError(f"{label}: a value of the list is empty; write NAME=v1,v2,v3")
     meant = [item if _split(item)[0] is None else _split(item) for item in items]
@@ -163,6 +178,8 @@ def _read_bound(text: str, label: str) -> tuple[float, str]:
         raise LtcgearError(f"{label}: the bound {text!r} is not a number with a unit; {EXAMPLE}")
     if not isfinite(number):
         raise LtcgearError(f"{label}: the bound {text!r} is not finite; give a number")
+    if abs(number) > LARGEST:
+        raise LtcgearError(f"{label}: the bound {text!r} is too large; give one below {LARGEST:g}")
     return number, unit
 
 
@@ -177,4 +194,6 @@ def _read_count(text: str, low: float, high: float, label: str) -> int:
         )
     if count == 1:
         raise LtcgearError(f"{label}: a range of one point; give 2 points at least, or the value alone, NAME=v")
+    if (there := np.unique(np.linspace(low, high, count)).size) < count:
+        raise LtcgearError(f"{label}: the range has {there} different numbers for {count} points; give fewer points")
     return count

@@ -18,8 +18,8 @@ PATIENCE = 10
 """Seconds to wait for a scheduler, for its first worker, and for a point before one looks whether there are workers."""
 AHEAD = 2
 """Points under way for each thread of the cluster, so that no worker waits for its next."""
-ADDRESS = re.compile(r"((tcp|ws)://)?([\w.-]+|\[[0-9A-Fa-f:.]+\]):\d{1,5}/?")
-"""What a scheduler's address looks like; encrypted ones would need certificates."""
+ADDRESS = re.compile(r"((tcp|tls|ws)://)?([\w.-]+|\[[0-9A-Fa-f:.]+\]):\d{1,5}/?")
+"""What a scheduler's address looks like; those of tls take their certificates from Dask's configuration."""
 LOST = (OSError, CancelledError, ClosedClientError)
 """Exceptions by which a lost scheduler shows."""
 

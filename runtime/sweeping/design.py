@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,6 +25,8 @@ SAMPLES = {
 PAIRED = ("sobol", "saltelli")
 """Samples that are even only for powers of two."""
 INSTALL = "pip install 'ltcgear[sweep]'"
+MOST_NUMBERS = 20_000_000
+"""Numbers of all points together at most, for the memory that they and their samplers take."""
 TOLD = 4
 """Values of a point that a message names."""
 
@@ -128,15 +131,18 @@ class Design:
         Raises
         ------
         LtcgearError
-            If other points come out, as another version of NumPy, SciPy or SALib may draw them.
+            If it cannot be read, or other points come out, as another version of NumPy, SciPy or SALib may draw them.
         """
-        kept = json.loads(kept) if isinstance(kept, str) else kept
-        axes = [Axis.from_json(axis) for axis in kept["axes"]]
-        design = draw_design(axes, kept["sample"], kept["points"], kept["seed"])
-        if kept["digest"] not in (design.digest, design._digest("<f8")):  # files of before have the latter
+        try:
+            kept = json.loads(kept) if isinstance(kept, str) else kept
+            axes = [Axis.from_json(axis) for axis in kept["axes"]]
+            design, digest = draw_design(axes, kept["sample"], kept["points"], kept["seed"]), kept["digest"]
+        except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
+            raise LtcgearError(f"its design cannot be read ({error}), so it is damaged") from error
+        if digest not in (design.digest, design._digest("<f8")):  # files of before have the latter
             raise LtcgearError(
                 f"the {design.sample} design was drawn by other versions of NumPy, SciPy or SALib, which this one "
-                "cannot draw again; install those that the file names"
+                "cannot draw again, or is damaged; install those that the file names"
             )
         return design
 
@@ -172,11 +178,17 @@ def draw_design(axes: Sequence[Axis], sample: str = "grid", points: int | None =
         _check_range(axis, sample)
     count = _check_points(sample, points, seed, len(drawn), [axis.places.size for axis in crossed])
     samples = SAMPLERS[sample](drawn, count, seed) if drawn else np.zeros((1, 0))
-    grid = np.meshgrid(*(axis.places for axis in crossed), np.arange(len(samples)), indexing="ij")
-    columns = {axis.key: values.ravel() for axis, values in zip(crossed, grid[:-1], strict=True)}
-    columns |= {axis.key: samples[grid[-1].ravel(), k] for k, axis in enumerate(drawn)}
+    *places, draws = _cross([*(axis.places.size for axis in crossed), len(samples)])
+    columns = {axis.key: axis.places[place] for axis, place in zip(crossed, places, strict=True)}
+    columns |= {axis.key: samples[draws, k] for k, axis in enumerate(drawn)}
     values = np.stack([columns[axis.key] for axis in axes], axis=1).astype(np.float64)
     return Design(tuple(axes), sample, points, seed, values)
+
+
+def _cross(sizes: Sequence[int]) -> list[NDArray[np.int64]]:
+    """Return the indices of every combination, the first changing slowest; NumPy's own grids end at 32 dimensions."""
+    number, behind = np.arange(math.prod(sizes)), [math.prod(sizes[k + 1 :]) for k in range(len(sizes))]
+    return [number // later % size for size, later in zip(sizes, behind, strict=True)]
 
 
 def _check_sample(sample: str, crossed: Sequence[Axis], drawn: Sequence[Axis]) -> None:
@@ -222,6 +234,11 @@ def _check_points(sample: str, points: int | None, seed: int, drawn: int, crosse
     total = float(np.prod([count, *crossed], dtype=float)) * (drawn + 2 if sample == "saltelli" else 1)
     if total > MOST:
         raise LtcgearError(f"the sweep would have {total:.4g} points, {MOST} at most are served; take fewer")
+    if (numbers := total * (drawn + len(crossed))) > MOST_NUMBERS:
+        raise LtcgearError(
+            f"the sweep would have {total:.4g} points of {drawn + len(crossed)} keys, {numbers:.2g} numbers; "
+            f"{MOST_NUMBERS:.2g} at most are served: take fewer points or keys"
+        )
     return count
 
 

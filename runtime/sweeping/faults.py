@@ -24,13 +24,14 @@ def describe(error: BaseException) -> str:
 
 
 @contextmanager
-def own_reason() -> Iterator[None]:
+def own_reason(noted: Callable[[str], None] = lambda reason: None) -> Iterator[None]:
     """Go on after what is a point's own reason, which is told where that point is computed; not after the machine's."""
     try:
         yield
     except LtcgearError as error:
         if is_machines(error):
             raise
+        noted(str(error))
 
 
 @contextmanager

@@ -84,7 +84,7 @@ def find_influences(dataset: xr.Dataset, metrics: list[str] | None = None) -> li
     if whole < FEWEST:
         raise LtcgearError(
             f"Sobol indices: {whole} of {done.size // width} blocks of {width} runs are whole, {FEWEST} at least are "
-            "needed; see why runs failed, or ask for more --points"
+            "needed; see why runs failed, or ask for more --points with another -o"
         )
     return [_analyse(design, number, done) for number in list_numbers(dataset, metrics)]
 

@@ -244,7 +244,7 @@ def find_metric(name: str) -> Callable[[Result], Taken]:
         raise LtcgearError(f"--metric {name}: of what? write {head}:QUANTITY{item}, for example {head}:mesh_force")
     if output and head in METRICS:
         raise LtcgearError(f"--metric {name}: {head} is of all meshes; write {head}")
-    raise LtcgearError(f"--metric {name}: no such metric; {nearest(head, [*METRICS, *STATISTICS, SPECTRUM])}")
+    raise LtcgearError(f"--metric {name:.80}: no such metric; {nearest(head, [*METRICS, *STATISTICS, SPECTRUM])}")
 
 
 def choose_metrics(dataset: xr.Dataset) -> list[str]:

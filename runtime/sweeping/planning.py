@@ -22,38 +22,44 @@ from .task import Maker, Plan
 if TYPE_CHECKING:
     import xarray as xr
 
+Keys = dict[tuple[tuple[str, str], ...], str]
+"""Changes of a point -> key of its model."""
 Told = Callable[[str, int, int, int], None]
 MOST_TRIED = 8
 """Points by which a sampling rate is chosen."""
+MOST_COMBINED = 1000
+"""Combinations of lists whose structures are sought before the first run; those of others as they come."""
 FIXED = ("simulation",)
 """Tables of the scene that are the same for all points."""
 
 
 def choose_common_rate(maker: Maker, points: Sequence[Mapping[str, str]]) -> float:
     """Choose one sampling rate for all points [Hz]: the highest that some of them, their ends among them, call for."""
-    found = []
+    found, reasons = list[float](), list[str]()
     for changes in [*points[: MOST_TRIED - 1], *points[MOST_TRIED - 1 :][-1:]]:
-        with own_reason():
+        with own_reason(reasons.append):
             _, values, tables = maker.make(changes)
             found.append(find_rate(build(maker.obtain(changes)), values, tables, None).rate)
     if not found:
-        raise LtcgearError("no end of the axes can begin, so no sampling rate follows; give simulation.rate")
+        raise LtcgearError(
+            f"no end of the axes can begin ({reasons[0]}), so no sampling rate follows; "
+            "give --set simulation.rate='8192 Hz', or other values"
+        )
     return max(found)
 
 
-def check_points(maker: Maker, design: Design) -> list[dict[str, str]]:
-    """Refuse keys and values that the scene does not take; return the changes of the points that it takes.
+def check_points(maker: Maker, design: Design) -> Keys:
+    """Refuse keys and values that the scene does not take; return the points that it takes and their models' keys.
 
     What is refused is wrong alone and with the other values of its point; else it is that point's own reason.
     """
     for axis in design.axes:
         if axis.key.split(".")[0] in FIXED:
             raise LtcgearError(f"--vary {axis.key}: is the same for all points; give --t-end, or --set {axis.key}=...")
-    taken: list[dict[str, str]] = []
+    taken: Keys = {}
     for changes in _list_checked(design):
         try:
-            maker.make(changes)
-            taken.append(changes)
+            taken[tuple(changes.items())] = maker.make(changes)[0]
         except SceneError as error:
             own = _find_fault(maker, {})
             for key, value in changes.items():
@@ -87,11 +93,11 @@ def _find_fault(maker: Maker, changes: Mapping[str, str]) -> str:
 
 
 def make_plan(
-    maker: Maker, design: Design, metrics: Sequence[str] | None, settings: Mapping[str, Any], told: Told
+    maker: Maker, design: Design, taken: Keys, metrics: Sequence[str] | None, settings: Mapping[str, Any], told: Told
 ) -> Plan:
     """Derive and compile all variants, and lay out the rows, before any worker starts."""
     plan: Plan | None = None
-    listed = _list_variants(maker, design)
+    listed = _list_variants(maker, design, taken)
     for k, (key, changes) in enumerate(listed.items()):
         told("build", k, len(listed), 0)
         artifact, row, metrics = prepare(maker, changes, metrics, settings)
@@ -104,14 +110,17 @@ def make_plan(
     return plan
 
 
-def _list_variants(maker: Maker, design: Design) -> dict[str, dict[str, str]]:
+def _list_variants(maker: Maker, design: Design, taken: Keys) -> dict[str, dict[str, str]]:
     """Return the structures that lists and ends of axes call for: the key of each and the changes of a point."""
     lists = [k for k, axis in enumerate(design.axes) if axis.items]
     found = np.unique(design.values[:, lists], axis=0, return_index=True)[1] if lists else [0]
     variants: dict[str, dict[str, str]] = {}
-    for changes in [*(design.changes(int(point)) for point in sorted(found)), *_list_checked(design)]:
+    for point in sorted(found)[:MOST_COMBINED]:
+        changes = design.changes(int(point))
         with suppress(SceneError):  # this combination's own reason
-            variants.setdefault(maker.make(changes)[0], changes)
+            variants.setdefault(taken.get(tuple(changes.items())) or maker.make(changes)[0], changes)
+    for ends, key in taken.items():
+        variants.setdefault(key, dict(ends))
     return variants
 
 

@@ -107,7 +107,8 @@ def sweep(
         find_metric(name)
     design = draw_design(read_axes(vary), sample, points, seed)
     _check_skip(skip, design)
-    ends = check_points(maker, design)
+    taken = check_points(maker, design)
+    ends = [dict(changes) for changes in taken]
     end, samples = maker.times(ends[0])
     settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "method": method, "rtol": rtol, "raw": raw}
     given = samples if rate is None else rate
@@ -115,7 +116,7 @@ def sweep(
     _check_rate(settings["rate"])
     check_length(settings["t_end"] * settings["rate"])
     with _open_pool(workers, scheduler, design.size) as pool:
-        plan = make_plan(maker, design, metrics, settings, told)
+        plan = make_plan(maker, design, taken, metrics, settings, told)
         seconds = {"prepare": perf_counter() - clock}
         clock = perf_counter()
         with Store(target, design, plan.form, describe_sweep(plan), _attributes(plan), retry) as store:

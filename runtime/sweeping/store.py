@@ -247,8 +247,14 @@ def load_sweep(path: str | Path) -> "xr.Dataset":
         hint = f"the sweep is under way, {part} has its rows so far" if part.is_file() else "`ltcgear sweep` writes one"
         raise LtcgearError(f"{path}: no such file; {hint}")
     found = _open(path)
+    try:
+        design = Design.from_json(found.attrs["design"])
+    except LtcgearError as error:
+        raise LtcgearError(f"{path}: {error}") from error
     if str(found.attrs.get("status", "")).startswith(UNFINISHED):
-        return _arrange(_leave_damage(path, found), Design.from_json(found.attrs["design"]))
+        return _arrange(_leave_damage(path, found), design)
+    if missing := {axis.key for axis in design.axes} - set(found.coords):
+        raise LtcgearError(f"{path}: has no values of {min(missing)}, so it is damaged")
     return found
 
 
@@ -261,7 +267,7 @@ def _open(path: Path) -> "xr.Dataset":
             found = opened.load()
     except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF file ({error}); {CURE}") from error
-    if not {KIND, ABOUT, "design"} <= set(found.attrs) or "point" not in found.dims:
+    if not {KIND, ABOUT, "design"} <= set(found.attrs) or "point" not in found.dims or "status" not in found:
         raise LtcgearError(f"{path}: not a sweep; {CURE}")
     if found.attrs[KIND] not in READ:
         raise LtcgearError(f"{path}: a sweep of form {found.attrs[KIND]}, which is not {FORMAT}; {CURE}")
@@ -296,6 +302,7 @@ def _check_sweep(path: Path, about: Mapping[str, Any]) -> "xr.Dataset":
 
 def _arrange(rows: "xr.Dataset", design: Design) -> "xr.Dataset":
     """Return the rows of a part sorted by point, the last of each, with what the axes are there."""
+    rows = rows.isel(point=np.isin(rows["point"].values, np.arange(design.size)))  # others are damaged
     points = rows["point"].values.astype(np.int64)
     at, last = np.unique(points[::-1], return_index=True)
     rows = rows.assign_coords(point=points).isel(point=points.size - 1 - last)

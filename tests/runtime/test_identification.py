@@ -85,6 +85,23 @@ def test_derivatives_of_residuals_are_those_of_differences():
     assert abs(slopes[0, 4]) < 0.02 * abs(slopes[1, 4])
 
 
+def test_a_fit_tells_of_teeth_that_pull():
+    """With the load turned round against the flank that the scene's load chose."""
+    library, blank = case("psh").library, [Target("force", "mesh_force:psh.mesh", "mean", 0.0, 1.0)]
+    load = [name for name, _ in library.manifest.parameters].index("loads.output.torque")
+
+    def turned(z):
+        p = psh(z, [DAMPING])
+        p[load] *= -1
+        return p
+
+    assert Forecast(library, psh([0.0], [DAMPING]), blank, SPAN).warnings() == ()
+    found = fit(library, turned, [DAMPING], blank, SPAN, most=1)
+    assert found.forecast[0] < 0
+    [text] = found.warnings
+    assert text.startswith("psh.mesh: pulls with up to 1")
+
+
 def test_spreads_of_numbers_that_follow():
     """Two unknowns of which one sum is known: the sum is sharp after the fit, the difference as vague as before."""
     jacobian = np.array([[30.0, 30.0]])

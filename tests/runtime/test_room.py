@@ -66,14 +66,14 @@ def test_a_run_of_more_than_the_memory_is_refused_and_goes_to_a_file(monkeypatch
 
 
 def test_what_is_free_is_what_the_system_and_its_limits_leave(monkeypatch, tmp_path):
-    for name, text in (("memory.max", "4000000000\n"), ("memory.current", "1000000000\n"), ("none.max", "max\n")):
+    stat = "anon 5\ninactive_file 200000000\nactive_file 7\n"
+    for name, text in (("max", "4000000000\n"), ("current", "1000000000\n"), ("none", "max\n"), ("memory.stat", stat)):
         (tmp_path / name).write_text(text)
     (tmp_path / "meminfo").write_text("MemTotal: 9000000 kB\nMemAvailable:    8000000 kB\n")
     monkeypatch.setattr(room, "MEMINFO", tmp_path / "meminfo")
-    limits = ((tmp_path / "memory.max", tmp_path / "memory.current"),)
-    monkeypatch.setattr(room, "LIMITS", limits)
-    assert room.free_memory() == 3e9
-    monkeypatch.setattr(room, "LIMITS", ((tmp_path / "none.max", tmp_path / "memory.current"),))
+    monkeypatch.setattr(room, "LIMITS", ((tmp_path, "max", "current"),))
+    assert room.free_memory() == 3.2e9
+    monkeypatch.setattr(room, "LIMITS", ((tmp_path, "none", "current"), (tmp_path / "no", "max", "current")))
     assert room.free_memory() == 8000000 * 1024
     monkeypatch.setattr(room, "MEMINFO", tmp_path / "nothing")
     assert 1e8 < room.free_memory() < 1e15
@@ -83,7 +83,9 @@ def test_a_file_that_the_disk_cannot_hold_is_refused_before_anything_is_written(
     c = case("psh")
     usage = namedtuple("usage", "total used free")
     monkeypatch.setattr(shutil, "disk_usage", lambda path: usage(10**12, 10**12, 10**6))
-    with pytest.raises(LtcgearError, match=r"a\.nc: the result would take 0\.\d+ GB, and \S+ has 0\.001 GB free; "):
+    with pytest.raises(
+        LtcgearError, match=r"a\.nc: the disk is full: the result would take \S+ MB, and 1 MB are free; "
+    ):
         record(c.library, c.model.values(), tmp_path / "a.nc", t_end=1.0, rate=1e5)
     assert not list(tmp_path.iterdir())
     assert record(c.library, c.model.values(), tmp_path / "a.nc", t_end=0.01, rate=8192.0)["status"] == "done"

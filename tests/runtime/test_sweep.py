@@ -332,6 +332,13 @@ def test_a_scheduler_that_is_not_there_is_told(tmp_path, monkeypatch):
         sweep(Template("lsp"), VARY, tmp_path / "a.nc", **{**FEW, "workers": None}, scheduler="tcp://127.0.0.1:9")
 
 
+def test_an_encrypted_scheduler_without_certificates_is_told(tmp_path, monkeypatch):
+    cluster = pytest.importorskip("ltcgear.runtime.sweeping.cluster")
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    with pytest.raises(LtcgearError, match=r"--scheduler tls://127.0.0.1:9: cannot be reached \(TLS .*configuration"):
+        sweep(Template("lsp"), VARY, tmp_path / "a.nc", **{**FEW, "workers": None}, scheduler="tls://127.0.0.1:9")
+
+
 @pytest.mark.parametrize("address", ["", "nope", "tcp://", "foo://bar:1", "a b:1", "tcp://here:port"])
 def test_what_is_no_address_is_refused_at_once(tmp_path, address):
     with pytest.raises(LtcgearError, match="is no address such as tcp://"):

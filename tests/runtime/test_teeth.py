@@ -91,3 +91,16 @@ def test_a_machine_that_is_past_its_breakdown_slip_at_the_end_is_told():
         (text,) = warnings(slip)
         assert text.startswith("loads.generator: ")
         assert float(text.partition(" times its breakdown slip")[0].rpartition(" ")[2]) == pytest.approx(1.5, rel=0.02)
+
+
+def test_an_error_of_two_modules_is_not_believed_and_a_smaller_one_is_told():
+    c = case("hard-dead-band")
+
+    def run(error):
+        changed = c.model.values() | {"pair.mesh.transmission_error_cos_1": error}
+        return simulate(c.library, changed, tables=c.model.tables, **OPTIONS | {"t_end": 0.05}).summary
+
+    assert "not to be used" in run(2 * c.scene.stages["pair"].module)["status"]
+    told = run(0.2 * c.scene.stages["pair"].module)
+    assert told["status"] == "done"
+    assert any(text.startswith("pair.mesh: deflects by up to") for text in told["warnings"])

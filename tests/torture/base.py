@@ -23,16 +23,6 @@ def _compile() -> int:
 
 def prepare() -> None:
     """Import everything; fill the store in a process of its own, so that this one knows no compiler yet."""
-    import ltcgear.runtime.analysis
-    import ltcgear.runtime.cli
-    import ltcgear.runtime.equilibrium
-    import ltcgear.runtime.recording
-    import ltcgear.runtime.results
-    import ltcgear.runtime.simulation
-    import ltcgear.symbolic
-    import ltcgear.symbolic.pipeline
-    import matplotlib.pyplot
-    import netCDF4
     import xarray  # noqa: F401
 
     done = Program(_compile, Path.cwd()).wait(600)

@@ -98,7 +98,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     elif not chosen.only and not chosen.case and chosen.part == 1 and not findings:
         from benchmarks.marks import put
 
-        put(PAGE, {"torture": f"{table}\nSeed {chosen.seed}; {perf_counter() - began:.0f} s on {chosen.workers} cores.\n"})
+        put(
+            PAGE,
+            {"torture": f"{table}\nSeed {chosen.seed}; {perf_counter() - began:.0f} s on {chosen.workers} cores.\n"},
+        )
     return 1 if findings else 0
 
 

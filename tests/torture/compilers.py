@@ -34,7 +34,7 @@ SCRIPTS = {
     "writes text": f"{VERSION}\n{OUTPUT}\necho hello > $o",
     "writes half a library": f'{VERSION}\n{OUTPUT}\ncc "$@" && head -c 3000 $o > $o.x && mv $o.x $o',
     "writes another library": f"{VERSION}\n{OUTPUT}\necho 'int f(void){{return 1;}}' > x.c; cc -shared -fPIC x.c -o $o",
-    "writes for another machine": f'{VERSION}\n{OUTPUT}\ncc "$@" && printf "\\267" | dd of=$o bs=1 seek=18 conv=notrunc',
+    "writes for another machine": f'{VERSION}\n{OUTPUT}\ncc "$@"; printf "\\267" | dd of=$o bs=1 seek=18 conv=notrunc',
     "writes a folder": f"{VERSION}\n{OUTPUT}\nmkdir $o",
     "writes and fails": f'{VERSION}\ncc "$@"\nexit 3',
     "writes what may not be read": f'{VERSION}\n{OUTPUT}\ncc "$@"; chmod 000 $o',
@@ -98,7 +98,9 @@ def _make(folder: Path, name: str) -> str:
     if name == "a link to itself":
         path.symlink_to(path)
         return str(path)
-    path.write_text({"no interpreter": "#!/nowhere/sh\n", "text that is no script": "\x7fELF"}.get(name, f"#!/bin/sh\n{REAL}\n"))
+    path.write_text(
+        {"no interpreter": "#!/nowhere/sh\n", "text that is no script": "\x7fELF"}.get(name, f"#!/bin/sh\n{REAL}\n")
+    )
     path.chmod(0o644 if name == "not executable" else 0o755)
     return str(path)
 
@@ -160,4 +162,8 @@ def _hanging(folder: Path, environment: dict[str, str], name: str) -> Verdict:
         return Verdict("traceback", err[-600:])
     if waited and "saying" in name:
         return Verdict(HANG, "waits for --version without end")
-    return Verdict(REFUSED, err.strip()[-300:]) if program.returncode in (2, 3, 130) else Verdict(WRONG, f"{program.returncode}: {err}")
+    return (
+        Verdict(REFUSED, err.strip()[-300:])
+        if program.returncode in (2, 3, 130)
+        else Verdict(WRONG, f"{program.returncode}: {err}")
+    )

@@ -66,7 +66,7 @@ def prepare() -> None:
 
 
 WAYS = ("simulate", "record", "sweep", "report", "figures", "export", "generate", "book", "store", "temporary")
-STEPS = 8
+STEPS = 6
 COUNT = STEPS * len(WAYS)
 
 
@@ -103,7 +103,9 @@ def _attack(folder: Path, way: str, size: int) -> Verdict:
     if bad := judge(done):
         return bad
     if done.code:
-        return Verdict(LOST, f"with room, it does not go on ({'checkpoint there' if checkpoint else 'none'}): {done.last}")
+        return Verdict(
+            LOST, f"with room, it does not go on ({'checkpoint there' if checkpoint else 'none'}): {done.last}"
+        )
     return _right(way, disk) or Verdict(REFUSED, "and went on with room")
 
 

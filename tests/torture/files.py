@@ -18,14 +18,21 @@ from .mutations import TEXTS, damage
 from .outcome import REFUSED, RIGHT, WRONG, Done, Verdict, judge
 from .process import Case, Program, command, run
 
-COUNT = 560
+COUNT = 510
 ALWAYS = {"MARK_SECONDS": 0.0, "SLICE": 0.0}
 """A checkpoint after every segment."""
 RESULT, OTHER, GOING, SWEPT, SWEEPING = "result.nc", "other.nc", "going.nc", "swept.nc", "sweeping.nc"
 MADE = ("simulate", "psh", "--t-end", "0.1")
 LONG = ("simulate", "psh", "--t-end", "1", "--set", "simulation.rate=1 kHz")
 SWEEP = ("sweep", "psh", "--vary", "loads.input.speed=-900 rpm:-300 rpm:12", "--t-end", "0.02", "--workers", "1")
-VALUES: tuple[Any, ...] = (*(text for text in TEXTS if len(text) < 1000), 7, -1.5, np.array([1.0, 2.0]), float("nan"), "{}")
+VALUES: tuple[Any, ...] = (
+    *(text for text in TEXTS if len(text) < 1000),
+    7,
+    -1.5,
+    np.array([1.0, 2.0]),
+    float("nan"),
+    "{}",
+)
 
 WORDS = ("title", "scene", "why", "why_rate", "engine")
 """Attributes that hold no number of the run."""
@@ -76,6 +83,7 @@ def make_case(seed: int, number: int) -> Case:
 
 def _damaged(folder: Path, name: str, generator: np.random.Generator) -> Path:
     """Put a damaged copy of a file into a folder."""
+    (given := folder / "given").mkdir(exist_ok=True)
     path, draw = folder / name, generator.random()
     shutil.copy(originals() / name, path)
     if draw < 0.25 and path.suffix == ".nc":
@@ -88,6 +96,7 @@ def _damaged(folder: Path, name: str, generator: np.random.Generator) -> Path:
     else:
         data = path.read_bytes()
         path.write_bytes(damage(data, generator))
+    shutil.copy(path, given / name)
     return path
 
 

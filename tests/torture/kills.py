@@ -16,7 +16,7 @@ from .files import SWEEP, rows_in, same
 from .outcome import HANG, LOST, RIGHT, WRONG, Done, Verdict, judge
 from .process import Case, Program, command, run
 
-COUNT = 64
+COUNT = 56
 RUN = ("simulate", "psh", "--t-end", "12", "--set", "simulation.rate=1 kHz")
 OFTEN = {"MARK_SECONDS": 0.02, "SLICE": 0.01}
 """Checkpoints fifty times a second in place of one in two seconds."""
@@ -101,7 +101,7 @@ def _run(folder: Path, generator: np.random.Generator) -> Verdict:
             return _equal(folder / "a.nc")
         if resume and not all((folder / name).exists() for name in LEFT):
             return Verdict(LOST, f"{before} rows were there, now {sorted(file.name for file in folder.iterdir())}")
-    done, bad = _went_on(folder, arguments)
+    _, bad = _went_on(folder, arguments)
     return bad or _equal(folder / "a.nc")
 
 
@@ -111,7 +111,7 @@ def _program(folder: Path, generator: np.random.Generator) -> Verdict:
     with subprocess.Popen(arguments, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as program:
         time.sleep(whole()[1]["start"] + float(generator.uniform(0.0, 4.0)))
         program.kill()
-    done, bad = _went_on(folder, (*RUN, "--t-end", "60", "-o", "a.nc"))
+    _, bad = _went_on(folder, (*RUN, "--t-end", "60", "-o", "a.nc"))
     if bad:
         return bad
     with np.errstate(all="ignore"):

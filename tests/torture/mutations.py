@@ -15,10 +15,23 @@ NUMBERS = (0, -1, 1e300, -1e300, 1e-300, 5e-324, float("nan"), float("inf"), 10*
 UNITS = ("Hz", "kN*m", "rpm", "deg", "parsec", "m^2", "1/s", "N/m", "", "degC", "%", "kg*m^2*s^-3", "um", "m" * 500)
 TEXTS = (
     "", " ", "\x1b[31mred\x1b[0m", "\x00", "a\nb", "ä" * 300, "\u202emirror", "\U0001f600", "x" * 100_000, "../../etc",
-    "nan", "1e999 N/m", "__import__('os').getcwd()", "9**9**9**9", "1e3 m" * 50, "{}", "%s%n", "\ufeff", "'; --", "1 m)))",
-    "\u0661 m", "1_000 mm", "0x10 m", "-0 kg", "1 m/0", "1 m + 1 m", "(" * 3000, "$x$", "<b>", "\\frac{", "$\\undefined{$",
+    "nan", "1e999 N/m", "__import__('os').getcwd()", "9**9**9**9", "1e3 m" * 50, "{}", "%s%n", "\ufeff",
+    "'; --", "1 m)))",
+    "\u0661 m", "1_000 mm", "0x10 m", "-0 kg", "1 m/0", "1 m + 1 m", "(" * 3000, "$x$", "<b>",
+    "\\frac{", "$\\undefined{$",
 )  # fmt: skip
-OTHERS = (True, False, [], {}, [[]], [1, "a", []], {"a": {}}, datetime.date(2020, 1, 1), datetime.datetime(1, 1, 1), [None])
+OTHERS = (
+    True,
+    False,
+    [],
+    {},
+    [[]],
+    [1, "a", []],
+    {"a": {}},
+    datetime.date(2020, 1, 1),
+    datetime.datetime(1, 1, 1),
+    [None],
+)
 Path = tuple[Any, ...]
 
 
@@ -106,7 +119,11 @@ class Mutator:
         place = self.place(raw, lambda value: isinstance(value, (int, float)) and not isinstance(value, bool))
         if place:
             value = look(raw, place)
-            moved = value + self.one([-2, -1, 1, 2, 40]) if isinstance(value, int) else value * self.generator.uniform(-1, 3)
+            moved = (
+                value + self.one([-2, -1, 1, 2, 40])
+                if isinstance(value, int)
+                else value * self.generator.uniform(-1, 3)
+            )
             self.put(raw, place, moved)
 
     def _effect(self, raw: Any) -> None:
@@ -174,7 +191,14 @@ class Mutator:
         ]))  # fmt: skip
 
 
-MILD = [Mutator._scale] * 6 + [Mutator._negate, Mutator._nudge, Mutator._nudge, Mutator._effect, Mutator._effect, Mutator._drop]
+MILD = [Mutator._scale] * 6 + [
+    Mutator._negate,
+    Mutator._nudge,
+    Mutator._nudge,
+    Mutator._effect,
+    Mutator._effect,
+    Mutator._drop,
+]
 WILD = [
     Mutator._drop, Mutator._rename, Mutator._copy, Mutator._swap, Mutator._type, Mutator._number, Mutator._unit,
     Mutator._text, Mutator._deep, Mutator._huge, Mutator._scale, Mutator._effect,

@@ -22,16 +22,16 @@ from ltcgear.symbolic.effects import EFFECTS
 from ltcgear.symbolic.model import Model
 from ltcgear.symbolic.pipeline import content_key, generate
 from ltcgear.symbolic.report import load_warnings
-from ltcgear.symbolic.scene import SHIPPED, describe_scene, read_scene_text, restore_scene, shipped_scenes
+from ltcgear.symbolic.scene import SHIPPED, describe_scene, read_source, restore_scene, shipped_scenes
 
-from .mutations import TEXTS, Mutator, damage, look, places, write_toml
+from .mutations import TEXTS, Mutator, damage, places, write_toml
 from .outcome import RIGHT, STOPPED, Verdict
 from .outcome import WRONG as BAD_NUMBERS
 from .process import Case
 
 ROOT = Path(__file__).resolve().parents[2]
-COUNT, SECONDS = 3200, 20.0
-T_END, PATIENCE = 0.02, 1.0
+COUNT, SECONDS = 3000, 20.0
+T_END, PATIENCE = 0.02, 0.7
 """Time that is simulated [s]; seconds after which Ctrl-C stops a run."""
 DERIVED = 0.15
 """Part of the scenes of new structure whose equations are derived, for their equilibrium."""
@@ -69,7 +69,9 @@ def make_case(seed: int, number: int) -> Case:
         name, data = "--set", write_toml(raw).encode("utf-8", "surrogatepass")
         for _ in range(int(generator.integers(1, 4))):
             key = ".".join(map(str, mutator.one(places(raw))))
-            changes[mutator.one([key, key, key, key + ".x", *TEXTS])] = mutator.one([*TEXTS, "1", "5e3 N*m", "on", "[]"])
+            changes[mutator.one([key, key, key, key + ".x", *TEXTS])] = mutator.one(
+                [*TEXTS, "1", "5e3 N*m", "on", "[]"]
+            )
     elif way < 0.2:
         name, data = "bytes", damage(write_toml(raw).encode(), generator)
     else:
@@ -82,10 +84,11 @@ def attack(folder: Path, data: bytes, changes: dict[str, str], derived: bool) ->
     """Take a scene as far as it goes."""
     (folder / "scene.toml").write_bytes(data)
     (folder / "changes.txt").write_text(repr(changes), "utf-8", "surrogatepass")
-    scene = load_scene("scene.toml", changes)
+    source = read_source("scene.toml")
+    scene = load_scene(source, changes)
     model = build_model(scene)
     told = [*warnings(scene, model), *load_warnings(scene)]
-    kept = describe_scene(scene, read_scene_text("scene.toml"), changes)
+    kept = describe_scene(scene, source.text, changes)
     if restore_scene(kept["scene_json"]) != scene:
         return Verdict(BAD_NUMBERS, "the scene that a result keeps is another")
     artifact = store.get(content_key(model))
