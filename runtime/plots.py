@@ -159,7 +159,10 @@ def write_plainly(figure: Figure) -> None:
     for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
         if isinstance(axis.get_major_formatter(), LogFormatter | ScalarFormatter):
             numbers |= set(axis.findobj(Text)) - {axis.label}
-    for text in set(figure.findobj(Text)) - numbers:
+    found = set(figure.findobj(Text))
+    for text in found:  # whatever a matplotlibrc of the surroundings asks for
+        text.set_usetex(False)
+    for text in found - numbers:
         text.set_parse_math(False)
         text.set_text(write_out(text.get_text(), keep="\n"))
 

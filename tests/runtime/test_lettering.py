@@ -46,6 +46,14 @@ def test_signs_of_mathematics_are_letters_on_a_page():
     assert SIGNS in svg
 
 
+def test_latex_is_not_called(tmp_path, monkeypatch):
+    import matplotlib as mpl
+
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with mpl.rc_context({"text.usetex": True}):
+        assert save_figure(lettered(), tmp_path / "a.svg").is_file()
+
+
 def test_a_scene_may_have_such_a_name(tmp_path, run):
     shipped = Path(__file__).parents[2] / "symbolic" / "scenes" / "psh.toml"
     scene = tmp_path / "$x^{$.toml"
