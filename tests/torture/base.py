@@ -1,14 +1,16 @@
 """What all attacks start from: everything imported, every shipped scene in the store, compiled."""
 
+from functools import partial
 from pathlib import Path
 
 from .process import Program
 
-SCENES = ("psh", "lsp")
+FEW = ("psh", "lsp")
+"""Scenes that every attack needs."""
 
 
-def _compile() -> int:
-    """Put all shipped scenes and what simulates them into the store."""
+def _compile(few: bool) -> int:
+    """Put shipped scenes and what simulates them into the store."""
     from ltcgear.runtime.library import build
     from ltcgear.runtime.native import engine
     from ltcgear.symbolic import build_model, load_scene
@@ -16,15 +18,15 @@ def _compile() -> int:
     from ltcgear.symbolic.scene import shipped_scenes
 
     engine()
-    for name in shipped_scenes():
+    for name in FEW if few else shipped_scenes():
         build(obtain(build_model(load_scene(name))))
     return 0
 
 
-def prepare() -> None:
+def prepare(few: bool = False) -> None:
     """Import everything; fill the store in a process of its own, so that this one knows no compiler yet."""
     import xarray  # noqa: F401
 
-    done = Program(_compile, Path.cwd()).wait(600)
+    done = Program(partial(_compile, few), Path.cwd()).wait(600)
     if done.code != 0:
         raise SystemExit(f"the store could not be filled: {done.err}")

@@ -12,6 +12,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+import numpy as np
+
 from .outcome import BAD, WELL
 from .process import Finding, attack
 
@@ -37,7 +39,10 @@ def read_arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
 
 def numbered(kind: Any, chosen: argparse.Namespace) -> list[int]:
     """Return the numbers of the cases that are run."""
-    return chosen.case or range(max(1, round(kind.COUNT * chosen.part)))
+    if chosen.case or chosen.part == 1:
+        return chosen.case or list(range(kind.COUNT))
+    order = np.random.default_rng(chosen.seed).permutation(kind.COUNT)
+    return sorted(map(int, order[: max(2, round(kind.COUNT * chosen.part))]))
 
 
 def keep(kind: str, seed: int, finding: Finding) -> str:
@@ -77,7 +82,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     counts: dict[str, Counter[str]] = {}
     from .base import prepare
 
-    prepare()
+    prepare(few=chosen.part < 1)
     for name in chosen.only or KINDS:
         clock, found = perf_counter(), Counter[str]()
         for finding, again in assault(name, chosen, lambda done, total, name=name: _show(name, done, total)):
