@@ -15,6 +15,7 @@ from ltcgear.runtime import build, load, simulate
 from ltcgear.runtime.ensemble import simulate_many
 from ltcgear.runtime.exports import export
 from ltcgear.runtime.form import FORM
+from ltcgear.runtime.sums import SUMS
 from ltcgear.symbolic import build_model, describe_scene, load_scene, restore_scene
 from ltcgear.symbolic.pipeline import obtain
 from scipy.io import loadmat
