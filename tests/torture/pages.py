@@ -92,10 +92,14 @@ def run_step(step: Step, folder: Path, seconds: float = 600.0) -> str:
     command = [sys.executable, "-c", step.text]
     if step.kind != PYTHON:
         command = ["bash", "-ec", f"{step.text}\npwd > {here}"]
-    done = subprocess.run(
-        command, cwd=now, capture_output=True, text=True, check=False, timeout=seconds, stdin=subprocess.DEVNULL,
-        env=os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"},
-    )  # fmt: skip
+    settings = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    try:
+        done = subprocess.run(
+            command, cwd=now, capture_output=True, text=True, check=False, timeout=seconds, env=settings,
+            stdin=subprocess.DEVNULL,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        return f"no end after {seconds:g} s"
     if step.said is not None:
         return "" if done.stderr == step.said else f"prints {done.stderr!r}"
     return "" if done.returncode == 0 else f"exit code {done.returncode}: {done.stderr[-1500:]}"
