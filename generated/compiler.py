@@ -30,6 +30,8 @@ BASE_SECONDS, SECONDS_A_BYTE = 300.0, 1e-3
 """About a hundred times what a compiler takes, see docs/growth.md."""
 ASKING_SECONDS = 60.0
 """How long a compiler may take to say which it is."""
+LOOK = 0.1
+"""Seconds between two looks at whether a compiler has ended that says nothing."""
 LONGEST_WAIT = 1e6
 """Seconds beyond which a limit is none: what the system can wait for at once."""
 MOST_OUTPUT = 1 << 20
@@ -212,19 +214,24 @@ def run_compiler(command: Sequence[str], seconds: float, folder: Path | None = N
 
 
 def _wait(process: "subprocess.Popen[bytes]", seconds: float) -> Ended:
-    """Read what a program prints, of much the beginning, until it ends."""
+    """Read what a program prints, of much the beginning, until it ends; a child that outlives it is not waited for."""
     end, said = time.monotonic() + min(seconds, LONGEST_WAIT), bytearray()
     with selectors.DefaultSelector() as selector:
         key = selector.register(cast(IO[bytes], process.stdout), selectors.EVENT_READ)
         while True:
             left = end - time.monotonic()
-            if left <= 0 or not selector.select(left):
+            if left <= 0:
                 raise TimeoutError
-            chunk = os.read(key.fd, 1 << 16)
-            if not chunk:
+            if selector.select(min(left, LOOK)):
+                chunk = os.read(key.fd, 1 << 16)
+                if not chunk:
+                    break
+                said += chunk[: MOST_OUTPUT - len(said)]
+            elif process.poll() is not None:
                 break
-            said += chunk[: MOST_OUTPUT - len(said)]
-    return Ended(process.wait(max(end - time.monotonic(), 0.1)), said.decode("utf-8", "replace"))
+    code = process.wait(max(end - time.monotonic(), 0.1))
+    _end(process)
+    return Ended(code, said.decode("utf-8", "replace"))
 
 
 def _end(process: "subprocess.Popen[bytes]") -> None:

@@ -14,7 +14,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 from numpy.typing import NDArray
 
 from .attributes import to_attributes
@@ -155,6 +155,8 @@ class _Ensemble:
         """Set a run up and let a worker follow it; one that needs CasADi all the time is followed here and now."""
         try:
             run = self.runs[k] = Run(self.library, self.vectors[k], **self.options)
+        except MachineError:
+            raise
         except LtcgearError as error:
             self.refused[k] = error
             return None

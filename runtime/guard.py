@@ -40,7 +40,7 @@ LEG = 3e5
 """Operations in the time between two legs: a knot of a table, a whole turn of the reference (measured: 0.3 ms)."""
 BOUND = 3.0
 """Steps over those that accuracy or the longest segments call for, above which another cause is told."""
-ASKED = "`ltcgear simulate --long`, or long=True in Python, begins it all the same"
+ASKED = "--long, or long=True in Python, begins it all the same"
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,8 @@ Vector = NDArray[np.float64]
 Told = Callable[[float], None]
 Push = Callable[[Block, Points], None]
 CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
+EXHAUSTED = "std::bad_alloc"
+"""What CasADi says where memory is short."""
 MARK_SECONDS, SLICE = 2.0, 0.05
 """Seconds between two marks of a run; seconds after which the C comes back to see whether it shall stop."""
 
@@ -200,6 +202,8 @@ class Integration:
             try:
                 march.proceed(SLICE)
             except RuntimeError as error:
+                if EXHAUSTED in str(error):
+                    raise MemoryError from error
                 self.cause = str(error).strip().splitlines()[-1][:200]
                 return self.stopped.format(march.time)
             finally:

@@ -1,6 +1,5 @@
 """Command that simulates a scene at many points: sweep."""
 
-import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -11,8 +10,9 @@ from ltcgear.generated.errors import SolverError
 from ltcgear.generated.writing import check_output, make_folder
 
 from .. import present
-from ..options import AsJson, Changes, EndTime, Force, Method, Raw, SceneName, Tolerance
+from ..options import AsJson, Changes, EndTime, Force, Long, Method, Raw, SceneName, Tolerance
 from ..progress import progress
+from ..terminal import tell
 from .app import InterruptedRunError, app
 from .opening import split_changes
 
@@ -71,6 +71,7 @@ def sweep(
     scheduler: Scheduler = None,
     retry: Retry = False,
     skip: Skip = None,
+    long: Long = False,
     figures: Figures = None,
     changes: Changes = None,
     force: Force = False,
@@ -89,7 +90,7 @@ def sweep(
         make_folder(figures)
     drawn: dict[str, Any] = {"sample": sample, "points": points, "seed": seed}
     runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "raw": raw}
-    runs |= {"workers": workers, "scheduler": scheduler, "retry": retry, "skip": skip or ()}
+    runs |= {"workers": workers, "scheduler": scheduler, "retry": retry, "skip": skip or (), "long": long}
     try:
         with _bars(template.name) as told:
             summary = sweep_scene(template, vary, output, metrics=metric, told=told, **drawn, **runs)
@@ -115,7 +116,7 @@ def _warn(template: "Template") -> None:
     except SceneError:
         return
     for line in lines:
-        print(f"ltcgear: warning: {template.label}: {line}", file=sys.stderr)
+        tell(f"warning: {template.label}: {line}")
 
 
 @contextmanager

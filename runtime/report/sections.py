@@ -8,7 +8,7 @@ from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ..analysis.band import RAW, find_band
 from ..analysis.course_figures import draw_speeds, draw_torques, is_changing
@@ -54,6 +54,8 @@ class Section:
         """Add a figure, or the reason why it cannot be drawn."""
         try:
             figure = draw()
+        except MachineError:
+            raise
         except LtcgearError as error:
             told = f"Not drawn: {error}"
             self.text += [told] if told not in self.text else []

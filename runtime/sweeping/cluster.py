@@ -2,7 +2,6 @@
 
 import logging
 import re
-import sys
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
@@ -12,6 +11,7 @@ from distributed import CancelledError, Client, KilledWorker, WorkerPlugin, wait
 from distributed.client import ClosedClientError
 from ltcgear.generated.errors import LtcgearError
 
+from ..terminal import tell
 from .task import Outcome, forget_plan, keep_plan, run_point
 
 PATIENCE = 10
@@ -113,7 +113,7 @@ class Cluster:
             if not self.warned and not self.client.nthreads():
                 self.warned = True
                 start = f"start some with `dask worker {self.address} --nthreads 1`; Ctrl-C keeps the rows"
-                print(f"ltcgear: warning: the cluster has no workers left, the sweep waits; {start}", file=sys.stderr)
+                tell(f"warning: the cluster has no workers left, the sweep waits; {start}")
 
     def _clear(self, away: Callable[[], Any]) -> None:
         """Clear up what a scheduler has, unless it is lost."""

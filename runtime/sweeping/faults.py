@@ -5,8 +5,8 @@ from contextlib import contextmanager
 
 from ltcgear.generated.errors import LtcgearError, MachineError
 
-EXHAUSTED = "std::bad_alloc"
-"""What C++ says where memory runs out, in whatever exception or status it comes."""
+from ..integration import EXHAUSTED
+
 CRASHES = {"SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL"}
 """Signals by which a process ends through what it computes; others come from outside, as where memory runs out."""
 

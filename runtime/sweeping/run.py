@@ -48,6 +48,7 @@ def sweep(
     scheduler: str | None = None,
     retry: bool = False,
     skip: Sequence[int] = (),
+    long: bool = False,
     told: Told = lambda stage, done, total, failed: None,
 ) -> dict[str, Any]:
     """Simulate a scene at many points and keep metrics of each, one row a point, in a NetCDF4 file.
@@ -80,6 +81,8 @@ def sweep(
         Whether points that failed before are computed again.
     skip
         Numbers of points that are left out: rows that say so, as of those that failed.
+    long
+        Begin runs too that are reckoned to take more than an hour; else they are points that fail.
     told
         Called with a stage (``build`` or ``simulate``), how much of it is done, its total, and failed points so far.
 
@@ -111,6 +114,7 @@ def sweep(
     ends = [dict(changes) for changes in taken]
     end, samples = maker.times(ends[0])
     settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "method": method, "rtol": rtol, "raw": raw}
+    settings["long"] = long
     given = samples if rate is None else rate
     settings["rate"] = choose_common_rate(maker, ends) if given is None else given
     _check_rate(settings["rate"])
@@ -151,7 +155,7 @@ def describe_sweep(plan: Plan) -> dict[str, Any]:
         **axes,
         **{name: drawn[name] for name in ("sample", "points", "seed")},
         "metrics": ", ".join(plan.metrics),
-        **plan.settings,
+        **{name: value for name, value in plan.settings.items() if name != "long"},
         **plan.maker.entries(),
         **{f"version of {name}": version(name) for name in _list_packages(plan.design)},
         "equations": sorted(plan.models),
@@ -174,7 +178,7 @@ def _write_axis(axis: Mapping[str, Any]) -> str:
 
 def _attributes(plan: Plan) -> dict[str, Any]:
     """Return what the file tells of scene and settings."""
-    told = {name: value for name, value in plan.settings.items() if name != "raw"}
+    told = {name: value for name, value in plan.settings.items() if name not in ("raw", "long")}
     band = {} if plan.settings["raw"] else {"band_hz": BAND * plan.settings["rate"]}
     return to_attributes(plan.maker.about(), {**told, **band, "metrics": list(plan.metrics)})
 

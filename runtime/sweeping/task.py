@@ -15,11 +15,12 @@ from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError, MachineError
 from numpy.typing import NDArray
 
+from ..integration import EXHAUSTED
 from ..library import Library, build
 from ..signals import Pairs
 from ..simulation import simulate
 from .design import Design
-from .faults import EXHAUSTED, describe, is_machines
+from .faults import describe, is_machines
 from .metrics import take_values
 from .reading import DONE
 

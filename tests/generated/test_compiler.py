@@ -137,6 +137,14 @@ def test_a_compiler_that_does_not_end_is_ended(home, choose, monkeypatch):
     assert not runs(int(program.with_name("my-cc.child").read_text()))
 
 
+def test_a_child_that_outlives_its_compiler_is_ended(home, choose, compiler):
+    program = choose(f'sleep 600 & echo $! > "$0.child"; exec {compiler.path} "$@"')
+    begin = time.monotonic()
+    assert build().is_file()
+    assert time.monotonic() - begin < 60
+    assert not runs(int(program.with_name("my-cc.child").read_text()))
+
+
 def runs(process):
     """Tell whether a process runs; one that was killed and that nobody has asked for does not."""
     for _ in range(100):

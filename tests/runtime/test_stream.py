@@ -207,3 +207,15 @@ def test_rows_are_where_netcdf_reads_them_however_long_the_heading(length, tmp_p
     with xr.open_dataset(part_of(target), engine="netcdf4") as found:
         assert found.sizes["time"] == 3
         assert all((found[name].values == k).all() for k, name in enumerate(part.record.names, start=1))
+
+
+def test_memory_that_runs_out_is_no_failure_of_the_model(monkeypatch):
+    c = case("psh")
+    run = integration.Integration(c.library, c.p, c.at, t_end=0.01, rate=20e3, method="cvodes", rtol=1e-6)
+
+    def exhausted(seconds):
+        raise RuntimeError("Error in Function::operator(): std::bad_alloc")
+
+    monkeypatch.setattr(run.march, "proceed", exhausted)
+    with pytest.raises(MemoryError):
+        run.proceed(lambda *given: None)

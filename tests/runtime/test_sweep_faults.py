@@ -6,7 +6,7 @@ import pytest
 import xarray as xr
 from ltcgear.generated import store as models
 from ltcgear.generated.errors import CompileError, LtcgearError, MachineError, SolverError
-from ltcgear.runtime import load_sweep, simulate, sweep
+from ltcgear.runtime import guard, load_sweep, simulate, sweep
 from ltcgear.runtime.part import part_of
 from ltcgear.runtime.sweeping import filling, planning, task
 from ltcgear.symbolic import Template
@@ -140,6 +140,17 @@ def test_failed_points_are_computed_again_where_one_asks_for_it(tmp_path, monkey
     xr.testing.assert_identical(load_sweep(target), whole)
     assert sweep(Template("lsp"), VARY, target, retry=True, **FEW)["computed"] == 0
     assert [path.name for path in tmp_path.iterdir()] == ["a.nc"]
+
+
+def test_runs_of_hours_are_points_that_fail_until_they_are_asked_for(tmp_path, monkeypatch, whole):
+    monkeypatch.setattr(guard, "LONGEST", 1e-9)
+    summary = sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)
+    assert summary["failed"] == 4
+    assert "--long, or long=True in Python, begins it all the same" in str(
+        load_sweep(tmp_path / "a.nc")["status"].values
+    )
+    assert sweep(Template("lsp"), VARY, tmp_path / "a.nc", retry=True, long=True, **FEW)["failed"] == 0
+    assert load_sweep(tmp_path / "a.nc").identical(whole)
 
 
 def test_a_retry_that_is_stopped_loses_nothing(tmp_path, monkeypatch, whole):
