@@ -177,7 +177,7 @@ def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     title, size = _head(own)
     coordinate = dataset[axis.key]
     unit = coordinate.attrs.get("units", "")
-    stride, warned = -(-coordinate.size // ROWS), is_warned(dataset)
+    stride, warned = max(-(-coordinate.size // ROWS), 1), is_warned(dataset)
     marks = [(MARK if one else "",) for one in warned] if warned.any() else [()] * coordinate.size
     rows = tuple(
         (_cell(coordinate.values[at]), *(_round(float(number.values[at]) / size) for number in own), *marks[at])

@@ -59,7 +59,8 @@ class SweepPart(Part):
 
 def _sum_up(records: NDArray[np.void], identity: str) -> NDArray[np.int32]:
     """Return the check sums of rows whose own is 0, those of their part only."""
-    begin, data = zlib.crc32(identity.encode()), records.view(np.uint8).reshape(len(records), -1)
+    begin = zlib.crc32(identity.encode())
+    data = records.view(np.uint8).reshape(len(records), records.dtype.itemsize)
     return np.array([zlib.crc32(row.data, begin) for row in data], np.uint32).view(np.int32)
 
 

@@ -16,7 +16,8 @@ from ltcgear.runtime.simulation import simulate
 from .models import case
 
 MEASURE = """
-import resource, sys
+import re, sys
+from pathlib import Path
 from ltcgear.runtime.library import build
 from ltcgear.runtime.room import bytes_in_memory
 from ltcgear.runtime.simulation import simulate
@@ -25,7 +26,7 @@ from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
 model = build_model(load_scene(sys.argv[1]))
 library, options = build(obtain(model)), {"method": "erk", "rtol": 1e-3, "tables": model.tables}
-peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+peak = lambda: 1024 * int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1])
 simulate(library, model.values(), t_end=0.01, rate=1e4, **options)
 before, samples = peak(), float(sys.argv[2])
 found = simulate(library, model.values(), t_end=samples / 2e6, rate=2e6, **options)

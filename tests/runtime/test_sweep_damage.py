@@ -8,6 +8,7 @@ import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import load_sweep, sweep
 from ltcgear.runtime.part import part_of
+from ltcgear.runtime.sums import SUMS
 from ltcgear.runtime.sweeping.listing import list_tables, summarise
 from ltcgear.symbolic import Template
 
@@ -77,6 +78,7 @@ def test_a_design_that_is_none_is_refused(files, tmp_path, change, reason):
     path = tmp_path / "a.nc"
     path.write_bytes(files["sealed"])
     with netCDF4.Dataset(path, "a") as file:
+        file.delncattr(SUMS)  # as who means it would
         file.design = json.dumps(json.loads(file.design) | change)
     with pytest.raises(LtcgearError, match=rf"a\.nc: .*({reason})"):
         load_sweep(path)
@@ -88,6 +90,7 @@ def test_an_axis_of_more_points_than_any_is_refused_before_they_are_laid_out(fil
     path = tmp_path / "a.nc"
     path.write_bytes(files["sealed"])
     with netCDF4.Dataset(path, "a") as file:
+        file.delncattr(SUMS)
         file.design = file.design.replace('"count": 4', '"count": 40000000000')
     with pytest.raises(LtcgearError, match="an axis of 40000000000 points"):
         load_sweep(path)
