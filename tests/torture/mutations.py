@@ -59,9 +59,15 @@ def _text(value: object) -> str:
     return json.dumps(str(value), ensure_ascii=False)
 
 
+DEEPEST = 40
+"""Levels of a scene that are looked at; one mutation nests by hundreds."""
+
+
 def places(raw: Any, at: Path = ()) -> list[Path]:
     """Return where anything stands in tables and lists."""
     pairs = raw.items() if isinstance(raw, dict) else enumerate(raw) if isinstance(raw, list) else ()
+    if len(at) > DEEPEST:
+        return []
     return [place for key, value in pairs for place in ((*at, key), *places(value, (*at, key)))]
 
 
