@@ -1,6 +1,7 @@
 """Streams: standard output and error of which one may be full, closed or unable to show a character."""
 
 import contextlib
+import errno
 import io
 import os
 import sys
@@ -16,7 +17,7 @@ class Outlet:
     Parameters
     ----------
     stream
-        The stream itself.
+        The stream itself; None where the program was begun without it.
 
     Attributes
     ----------
@@ -24,8 +25,9 @@ class Outlet:
         What kept it from being written; None also where a reader went away, as ``head`` does.
     """
 
-    def __init__(self, stream: TextIO) -> None:
-        self.stream, self.fault = stream, cast(OSError | None, None)
+    def __init__(self, stream: TextIO | None) -> None:
+        self.stream, self.fault = stream or io.StringIO(), cast(OSError | None, None)
+        self.closed_before = stream is None
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
 
@@ -37,6 +39,8 @@ class Outlet:
         """Write a text."""
         with self._going_on():
             self.stream.write(text)
+        if self.closed_before and text:
+            self.fault = OSError(errno.EBADF, "it is closed")
         return len(text)
 
     def flush(self) -> None:
@@ -61,7 +65,7 @@ class Outlet:
 @contextlib.contextmanager
 def outlets() -> Iterator[Outlet]:
     """Let standard output and error be such streams; standard output is handed out."""
-    output, error = (Outlet(stream or io.StringIO()) for stream in (sys.stdout, sys.stderr))
+    output, error = (Outlet(stream) for stream in (sys.stdout, sys.stderr))
     with contextlib.redirect_stdout(cast(TextIO, output)), contextlib.redirect_stderr(cast(TextIO, error)):
         try:
             yield output
@@ -72,7 +76,7 @@ def outlets() -> Iterator[Outlet]:
 def open_closed() -> None:
     """Open what of the standard files is closed: the next file to be opened would take its place, and what is printed.
 
-    A stream that was closed stays without effect.
+    Python has begun without such a stream, so what is printed to it is told to be lost.
     """
     for number in range(3):
         try:

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SUMS = "attribute_sums"
-"""Attribute with the check sums of all others (CRC-32), as JSON; those of a variable are VARIABLE:ATTRIBUTE."""
+"""Attribute with the check sums of all others (CRC-32), as JSON; those of a variable are VARIABLE:ATTRIBUTE, and
+VARIABLE: is that of the texts that it holds, which NetCDF has no check sums for."""
 
 
 def add_sums(dataset: "xr.Dataset") -> "xr.Dataset":
@@ -34,10 +35,12 @@ def find_changed(dataset: "xr.Dataset") -> str:
 
 
 def _list_attributes(dataset: "xr.Dataset") -> Iterator[tuple[str, Any]]:
-    """Yield all attributes of a dataset and its variables."""
+    """Yield all attributes of a dataset and its variables, and the texts that variables hold."""
     yield from ((str(name), value) for name, value in dataset.attrs.items())
     for variable, data in dataset.variables.items():
         yield from ((f"{variable}:{name}", value) for name, value in data.attrs.items())
+        if data.dtype.kind in "OSU":
+            yield f"{variable}:", "\0".join(map(str, data.values.ravel()))
 
 
 def _sum(value: Any) -> str:  # noqa: ANN401

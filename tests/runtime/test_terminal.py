@@ -182,6 +182,10 @@ def test_a_full_device_and_closed_streams_as_a_shell_gives_them():
         ["sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh", *ENTRY, "info", "no-such-scene"], check=False
     )  # fmt: skip
     assert closed.returncode == 2
+    shell = ["sh", "-c", 'exec "$@" >&-', "sh", *ENTRY, "scenes"]
+    ended = subprocess.run(shell, stderr=subprocess.PIPE, text=True, check=False)
+    assert ended.returncode == 2
+    assert "standard output cannot be written: it is closed" in ended.stderr
 
 
 def test_few_characters_are_enough():

@@ -164,8 +164,21 @@ def _original(name: str) -> xr.Dataset:
     return load(originals() / name).dataset if name in (RESULT, OTHER, "whole.nc") else load_sweep(originals() / name)
 
 
+def _are_rows_of(dataset: xr.Dataset, name: str) -> bool:
+    """Say whether a part holds numbers of a file, as far as it goes."""
+    whole, along = _original(name), "point" if "point" in dataset.dims else "time"
+    if not set(dataset[along].values) <= set(whole[along].values):
+        return False
+    rows = whole.sel({along: dataset[along].values})
+    moving = [v for v in dataset.data_vars if along in dataset[v].dims and dataset[v].dtype.kind in "fi"]
+    return all(v in rows and np.array_equal(rows[v].values, dataset[v].values, equal_nan=True) for v in moving)
+
+
 def _compared(dataset: xr.Dataset, names: tuple[str, ...], timed: bool = True) -> Verdict:
     """Compare what was accepted with the files that it may be."""
+    unfinished = str(dataset.attrs.get("status", "")).startswith("not finished")
+    if unfinished and any(_are_rows_of(dataset, name) for name in names):
+        return Verdict(RIGHT, "rows of a part, which says that it is one")
     differences = [same(dataset, _original(name), timed) for name in names]
     return Verdict(RIGHT, "as it was") if "" in differences else Verdict(WRONG, f"accepted with other {differences[0]}")
 

@@ -116,15 +116,20 @@ def command(
     """Return a command line as a function; ``settings`` are numbers of ``runtime.integration`` in place of its own."""
 
     def call() -> int:
-        from ltcgear.runtime import cli, integration
+        # As the program does itself, but for settings that come before: Ctrl-C is held back while libraries load.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        from ltcgear.runtime import cli, entry, integration  # noqa: F401
 
+        signal.signal(signal.SIGINT, entry._stop)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
         if prepared:
             prepared()
         for name, value in (settings or {}).items():
             getattr(integration, name)
             setattr(integration, name, value)
         sys.argv = ["ltcgear", *map(str, arguments)]
-        cli.main()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        entry.main()
         return 0
 
     return call
