@@ -152,13 +152,21 @@ def test_output_without_room_is_told_and_the_code_says_so(monkeypatch, capsys):
     assert capsys.readouterr().err == told
 
 
-@pytest.mark.parametrize("error", [BrokenPipeError(32, "Broken pipe"), None])
-def test_a_reader_that_goes_away_changes_nothing(monkeypatch, capsys, error):
+def test_a_reader_that_goes_away_changes_nothing(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["ltcgear", "scenes"])
-    monkeypatch.setattr(sys, "stdout", Full(error) if error else None)
+    monkeypatch.setattr(sys, "stdout", Full(BrokenPipeError(32, "Broken pipe")))
     with pytest.raises(SystemExit) as stop:
         cli.main()
     assert (stop.value.code, capsys.readouterr().err) == (0, "")
+
+
+def test_what_is_printed_to_no_stream_is_told_to_be_lost(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["ltcgear", "scenes"])
+    monkeypatch.setattr(sys, "stdout", None)
+    with pytest.raises(SystemExit) as stop:
+        cli.main()
+    told = "ltcgear: standard output cannot be written: it is closed; make room, or send it somewhere else\n"
+    assert (stop.value.code, capsys.readouterr().err) == (2, told)
 
 
 @pytest.mark.parametrize("stream", [Full(OSError(28, "No space left on device")), None])

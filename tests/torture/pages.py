@@ -12,10 +12,16 @@ ROOT = Path(__file__).resolve().parents[2]
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 IMPORTS = re.compile(r"^(import|from) ", re.MULTILINE)
 SHELL, CONSOLE, PYTHON, SCENE = "sh", "console", "python", "toml"
+PINS = " ".join((
+    "ltcgear sweep lsp -o pins.nc --sample normal --points 1000 --t-end 0.75 --set effects.planet_position_error=on",
+    "--set 'stages.lsp.position_errors=[{planet=1}, {planet=2}, {planet=3}, {planet=4}]'",
+    *(f"--vary 'stages.lsp.position_errors.{i}.tangential=0 um:20 um'" for i in range(4)),
+))  # fmt: skip
 NOT_RUN = {
     "make rig": "installs what the tests run in; what it prints is tested by tests/test_paper.py",
     "make test": "is what runs the tests",
     "make torture": "is what runs this",
+    PINS: "1000 runs, some minutes; tests/runtime/test_sweep_sharing.py has fewer",
     "dask scheduler": "needs machines; tests/runtime/test_sweep_cluster.py sweeps over a scheduler of its own",
     "dask worker tcp://10.0.0.5:8786 --nthreads 1": "likewise",
     "ltcgear sweep lsp --vary 'loads.ring.speed=5 rpm:20 rpm:64' --scheduler tcp://10.0.0.5:8786 -o speeds.nc": "again",
@@ -40,7 +46,7 @@ class Step:
     def head(self) -> str:
         """The command without its comment; of programs and scenes the place on the page."""
         if self.kind in (SHELL, CONSOLE):
-            return re.sub(r"\s+#\s.*", "", self.text).strip()
+            return " ".join(re.sub(r"\s+#\s.*", "", self.text).split())
         return f"{self.page} {self.kind} {self.number}"
 
 
