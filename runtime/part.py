@@ -22,7 +22,7 @@ from ltcgear.generated.writing import check_output, follow, told, written_whole
 from numpy.typing import NDArray
 
 from .classic import BROKEN, COUNT, Layout, make_heading, read_layout
-from .netcdf import begin, fill
+from .netcdf import begin, fill, sign
 from .sums import add_sums
 
 if TYPE_CHECKING:
@@ -184,6 +184,7 @@ class Part:
                 raise LtcgearError(
                     f"{self.path}: was changed by something else while the run went on; delete it and simulate again"
                 )
+            sign(draft)
 
     def _copy(self, heading: "xr.Dataset", result: Any) -> int:  # noqa: ANN401
         """Copy all rows, block by block; return their check sum."""

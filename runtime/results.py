@@ -11,7 +11,7 @@ from ltcgear.generated.errors import LtcgearError
 
 from .attributes import read_summary
 from .form import FORM, find_fault
-from .netcdf import save
+from .netcdf import open_file, save
 from .sums import SUMS
 
 if TYPE_CHECKING:
@@ -166,13 +166,11 @@ def load(path: str | Path) -> Result:
     LtcgearError
         If it is missing, damaged, not a result of ltcgear, or of another form.
     """
-    import xarray as xr
-
     path = Path(path)
     if not path.is_file():
         raise LtcgearError(f"{path}: no such result file; `ltcgear simulate SCENE -o {path}` writes one")
     try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
+        with open_file(path) as opened:
             dataset = opened.load()
     except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF4 file ({error}); simulate again") from error
@@ -183,12 +181,10 @@ def load(path: str | Path) -> Result:
 
 def tell_kind(path: Path) -> str:
     """Say what a NetCDF file holds: ``RESULT``, ``SWEEP``, ``OTHER``; "" where none is there or it is empty."""
-    import xarray as xr
-
     if not path.is_file() or not path.stat().st_size:
         return ""
     try:
-        with xr.open_dataset(path, engine="netcdf4", decode_cf=False) as opened:
+        with open_file(path, decode=False) as opened:
             attributes = dict(opened.attrs)
     except Exception:  # damaged files raise whatever the libraries stumble over
         return OTHER

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..attributes import UNFINISHED
 from ..checkpoint import tell_differences
-from ..netcdf import save
+from ..netcdf import open_file, save
 from ..part import IDENTITY, Part, part_of, read_part
 from ..sums import SUMS, find_changed
 from .design import Design
@@ -262,10 +262,8 @@ def load_sweep(path: str | Path) -> "xr.Dataset":
 
 def _open(path: Path) -> "xr.Dataset":
     """Read a file into memory, and refuse what is no sweep."""
-    import xarray as xr
-
     try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
+        with open_file(path) as opened:
             found = opened.load()
     except Exception as error:  # damaged files raise whatever the libraries stumble over
         raise LtcgearError(f"{path}: not a readable NetCDF file ({error}); {CURE}") from error
