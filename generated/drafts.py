@@ -1,7 +1,6 @@
 """Drafts: folders of the store in which something is made before it takes its place, swept up after a kill."""
 
 import contextlib
-import errno
 import fcntl
 import os
 import shutil
@@ -11,13 +10,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import MachineError
 from .text import shorten
+from .writing import FULL
 
 PREFIX = ".draft-"
 LEFT, LEFT_UNLOCKED = 3600.0, 86400.0
 """Age [s] from which a draft without a lock was left by a killed program; where files cannot be locked."""
-FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 @contextmanager
@@ -70,20 +68,10 @@ def _is_left(path: Path) -> bool:
     return True
 
 
-@contextmanager
-def told(path: Path) -> Iterator[None]:
-    """Say in one message what keeps something from being put into the store.
-
-    Raises
-    ------
-    MachineError
-        In place of an OSError.
-    """
-    try:
-        yield
-    except OSError as error:
-        cure = "make room there" if error.errno in FULL else "let it be written"
-        raise MachineError(
-            f"{shorten(str(path))}: cannot be put into the store: {error.strerror or error}; "
-            f"{cure}, or set LTCGEAR_CACHE to another folder of yours"
-        ) from error
+def tell_fault(path: Path, error: OSError, retry: str) -> str:
+    """Say what keeps something from being put into the store, and what to do."""
+    cure = "make room there" if error.errno in FULL else "let it be written"
+    return (
+        f"{shorten(str(path))}: cannot be put into the store: {error.strerror or error}; "
+        f"{cure}, or set LTCGEAR_CACHE to another folder of yours, then {retry}"
+    )

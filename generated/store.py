@@ -19,9 +19,10 @@ from .compiler import Compiler as Compiler
 from .compiler import Ended, more_flags, run_compiler, seconds_for
 from .compiler import compiler as compiler
 from .contract import Artifact, Manifest
-from .drafts import draft, told
+from .drafts import draft, tell_fault
 from .errors import CompileError, MachineError
 from .text import shorten
+from .writing import told
 
 FLAGS = (
     "-std=c11", "-O3", "-march=native", "-fPIC", "-shared", "-fno-semantic-interposition",
@@ -148,7 +149,7 @@ def put(key: str, artifact: Artifact) -> None:
         If the store cannot be written.
     """
     folder = model_folder(key)
-    with told(folder):
+    with told(folder, tell=tell_fault):
         put_folder(folder, files(artifact))
 
 
@@ -218,7 +219,7 @@ def library(c: str, with_compiler: Compiler) -> Path:
     folder = root() / "libraries"
     target = folder / f"{key}.so"
     if not _sealed(target):
-        with told(target):
+        with told(target, tell=tell_fault):
             _compile(with_compiler, c, target)
     return target
 

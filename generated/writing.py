@@ -14,7 +14,7 @@ import re
 import secrets
 import stat
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
@@ -124,8 +124,18 @@ def _check_folder(path: Path, folder: Path) -> None:
     draft.unlink()
 
 
+def tell_fault(path: Path, error: OSError, retry: str) -> str:
+    """Say what keeps a file from being written, and what to do."""
+    if error.errno in FULL:
+        return f"{path}: cannot be written: {FULL[error.errno]}; make room, then {retry}"
+    reason = error.strerror or str(error) or type(error).__name__
+    return f"{path}: cannot be written: {reason}; see to that or give another name, then {retry}"
+
+
 @contextmanager
-def told(path: Path, retry: str = "run the same command again") -> Iterator[None]:
+def told(
+    path: Path, retry: str = "run the same command again", tell: Callable[[Path, OSError, str], str] = tell_fault
+) -> Iterator[None]:
     """Tell in one message what keeps a file from being written; ``retry`` goes on once that is mended.
 
     Raises
@@ -136,15 +146,7 @@ def told(path: Path, retry: str = "run the same command again") -> Iterator[None
     try:
         yield
     except OSError as error:
-        raise MachineError(tell_fault(path, error, retry)) from error
-
-
-def tell_fault(path: Path, error: OSError, retry: str) -> str:
-    """Say what keeps a file from being written, and what to do."""
-    if error.errno in FULL:
-        return f"{path}: cannot be written: {FULL[error.errno]}; make room, then {retry}"
-    reason = error.strerror or str(error) or type(error).__name__
-    return f"{path}: cannot be written: {reason}; see to that or give another name, then {retry}"
+        raise MachineError(tell(path, error, retry)) from error
 
 
 def make_draft(path: Path) -> Path:

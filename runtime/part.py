@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.generated.writing import check_output, follow, told, written_whole
+from ltcgear.generated.writing import follow, told, written_whole
 from numpy.typing import NDArray
 
 from .classic import BROKEN, COUNT, Layout, make_heading, read_layout
@@ -244,11 +244,6 @@ def read_part(path: Path) -> Layout:
     if kept != f"{zlib.crc32(plain):08x}":
         raise LtcgearError(f"{path}: its heading is damaged; {BEGIN_ANEW}")
     return layout
-
-
-def check_part(target: Path) -> None:
-    """Refuse a part that cannot be made beside a result, before anything is computed."""
-    check_output(part_of(target))
 
 
 def _moving(heading: "xr.Dataset", along: str) -> list[str]:

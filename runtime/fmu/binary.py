@@ -5,8 +5,9 @@ from collections.abc import Mapping
 
 from ltcgear.generated import store
 from ltcgear.generated.compiler import run_compiler, seconds_for
-from ltcgear.generated.drafts import draft, told
+from ltcgear.generated.drafts import draft, tell_fault
 from ltcgear.generated.errors import CompileError, LtcgearError
+from ltcgear.generated.writing import told
 
 FLAGS = (
     "-std=c11", "-O3", "-fPIC", "-shared", "-fvisibility=hidden", "-fno-math-errno", "-fno-ident", "-Wall",
@@ -43,7 +44,7 @@ def compile_fmu(sources: Mapping[str, str], exchange: bool) -> bytes:
     """
     compiler = require_compiler()
     parent = store.root()
-    with told(parent), draft(parent) as folder:
+    with told(parent, tell=tell_fault), draft(parent) as folder:
         for name, text in sources.items():
             (folder / name).write_text(text, encoding="utf-8")
         prefix = "fmi3" if exchange else "fmi2"

@@ -18,20 +18,6 @@ C = "double answer(void) { return 42.0; }\n"
 
 
 @pytest.fixture
-def home(tmp_path, monkeypatch):
-    """A store of the test's own."""
-    monkeypatch.setenv("LTCGEAR_CACHE", str(tmp_path / "store"))
-    return tmp_path / "store"
-
-
-@pytest.fixture
-def compiler():
-    found = store.compiler()
-    assert found is not None
-    return found
-
-
-@pytest.fixture
 def choose(tmp_path, monkeypatch):
     """Make a program of a shell's lines and choose it by CC; it answers --version unless its lines do."""
 

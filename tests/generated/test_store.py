@@ -19,20 +19,6 @@ BROKEN = "double answer(void) { return nonsense; }\n"
 
 
 @pytest.fixture
-def home(tmp_path, monkeypatch):
-    """A store of the test's own."""
-    monkeypatch.setenv("LTCGEAR_CACHE", str(tmp_path / "store"))
-    return tmp_path / "store"
-
-
-@pytest.fixture
-def compiler():
-    found = store.compiler()
-    assert found is not None
-    return found
-
-
-@pytest.fixture
 def fresh_compiler():
     """Let `compiler` look again, before and after."""
     store.compiler.cache_clear()

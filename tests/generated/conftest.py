@@ -1,0 +1,18 @@
+"""A store of each test's own, and the compiler that is there."""
+
+import pytest
+from ltcgear.generated import store
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """A store of the test's own."""
+    monkeypatch.setenv("LTCGEAR_CACHE", str(tmp_path / "store"))
+    return tmp_path / "store"
+
+
+@pytest.fixture
+def compiler():
+    found = store.compiler()
+    assert found is not None
+    return found
