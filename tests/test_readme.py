@@ -21,6 +21,9 @@ def _load():
 
 PAGES = _load()
 COSTLY = {
+    "ltcgear selftest --case jumps": "a case by every method; tests/runtime/test_hard_methods.py has them all",
+    "ltcgear cost lsp -o cost.png": "every pair of effects; tests/test_cli.py has few of them",
+    "ltcgear export-fmu rig-2mw -o rig.fmu": "compiles the rig once more; tests/runtime/test_fmu.py has stages",
     "ltcgear accuracy lsp -o accuracy": "every method at many tolerances; tests/test_cli_accuracy.py has it small",
     "ltcgear simulate lsp --accuracy 0.1%": "measures first; tests/test_cli_accuracy.py has it small",
     "ltcgear simulate rig-2mw --set effects.mesh_law=paper --method cvodes --verify": "three runs of the rig by CVODES",

@@ -12,7 +12,7 @@ from ltcgear.runtime.integration import Trajectory, integrate
 from ltcgear.runtime.library import Library, build
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.model import Model
-from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import SHIPPED, make_scene
 from ltcgear.symbolic.schema import Scene
 
@@ -94,7 +94,7 @@ def make_case(raw: dict[str, Any]) -> Case:
     """Build a raw scene."""
     scene = make_scene(raw)
     model = build_model(scene)
-    return Case(scene, model, build(generate(model)))
+    return Case(scene, model, build(obtain(model)))
 
 
 @cache

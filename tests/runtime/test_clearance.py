@@ -17,7 +17,7 @@ from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model
 from ltcgear.symbolic.effects import DEFAULTS
 from ltcgear.symbolic.model import BASIS, Body, Instance, Model, Parameter
-from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene, make_scene
 
 from .models import Case, case, raw_scene
@@ -43,7 +43,7 @@ def disc(gravity=G, damping=0.0):
         tuple(Instance("disc", str(e[0]), e, ("disc",), b) for e, b in zip(parts, (race, weight), strict=True)),
         (), (), (), tuple(Parameter(name, *value) for name, value in numbers.items()), DEFAULTS, {},
     )  # fmt: skip
-    return Case(None, model, build(generate(model)))
+    return Case(None, model, build(obtain(model)))
 
 
 def start(found, **given):

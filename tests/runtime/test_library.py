@@ -16,7 +16,7 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
 from ltcgear.runtime.library import load
 from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import make_scene
 
 SETUP = """
@@ -91,7 +91,7 @@ def sealed(data):
 def artifact():
     raw = {"title": "one", "rotors": {"a": {"inertia": "2 kg*m^2"}}}
     raw["loads"] = {"motor": {"member": "a", "torque": "1 N*m", "initial_speed": "1 rad/s"}}
-    return generate(build_model(make_scene(raw)))
+    return obtain(build_model(make_scene(raw)))
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.naming import describe_modes
 from ltcgear.runtime.linear.system import linearise
 from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import shipped_scenes
 
 from reference import lin_parker
@@ -138,7 +138,7 @@ def long(module_patch):
 
     scene = long_train(14, 5)
     model = build_model(scene)
-    return Case(scene, model, build(generate(model)))
+    return Case(scene, model, build(obtain(model)))
 
 
 @pytest.fixture(scope="module")
@@ -201,7 +201,7 @@ def test_a_free_long_train_keeps_its_rigid_motion(module_patch):
 
     scene = long_train(10, 4).model_copy(update={"loads": {}})
     model = build_model(scene)
-    c = Case(scene, model, build(generate(model)))
+    c = Case(scene, model, build(obtain(model)))
     linear = linear_of(c)
     assert len(linear.kept) > eigen.LARGE
     few = find_modes(linear, 12)
@@ -235,7 +235,7 @@ def test_who_is_loose_in_a_long_train_is_named(module_patch):
     scene = long_train(10, 4)
     loads = {"drive": scene.loads["brake"].model_copy(update={"member": "stage1.carrier"})}
     model = build_model(scene.model_copy(update={"loads": loads}))
-    library = build(generate(model))
+    library = build(obtain(model))
     assert len(library.index("")) > equilibrium.LARGE
     with pytest.raises(SolverError, match=r"nothing holds .*stage\d+.* against the loads.*torsional_support"):
         find_equilibrium(library, library.parameters(model.values()))

@@ -5,7 +5,7 @@ import pytest
 from ltcgear.runtime.kernel import Kernel
 from ltcgear.runtime.library import build
 from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.pipeline import obtain
 
 from .everything import covering, everything
 from .models import Case, case
@@ -46,7 +46,7 @@ def test_motion_of_shipped_scenes(name):
 def test_motion_of_all_effects(k):
     scene = everything(VARIANTS[k])
     model = build_model(scene)
-    assert_joined(Case(scene, model, build(generate(model))))
+    assert_joined(Case(scene, model, build(obtain(model))))
 
 
 def test_motion_is_cheaper_than_its_parts():

@@ -7,7 +7,7 @@ from ltcgear.runtime.band import BAND
 from ltcgear.runtime.rates import HARMONICS, LEAST, choose_rate, mesh_frequency
 from ltcgear.runtime.spectra import amplitude_spectrum, strongest_lines
 from ltcgear.runtime.statistics import window
-from ltcgear.symbolic import build_model, generate, load_scene
+from ltcgear.symbolic import build_model, load_scene
 
 from .models import case
 
@@ -59,7 +59,7 @@ def hoist(tmp_path_factory):
     file = tmp_path_factory.mktemp("scenes") / "hoist.toml"
     file.write_text(HOIST)
     model = build_model(load_scene(file))
-    return build(generate(model)), model.values()
+    return build(obtain(model)), model.values()
 
 
 def lines_of(result, mesh, rate):
@@ -154,7 +154,7 @@ def test_statistics_of_a_short_slow_run_do_not_hang_on_its_few_arcs(tmp_path):
     file = tmp_path / "shaft.toml"
     file.write_text(SHAFT)
     model = build_model(load_scene(file))
-    library, values = build(generate(model)), model.values()
+    library, values = build(obtain(model)), model.values()
     options = {"t_end": 0.02, "tables": model.tables}
     dense = simulate(library, values, rate=2e5, raw=True, **options).dataset["coupling_torque"].values[2000:, 0]
     wanted = np.average(dense, weights=np.sin(np.linspace(0, np.pi, dense.size)) ** 4)

@@ -12,7 +12,7 @@ from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.sensitivity.items import list_modes
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.model import Parameter
-from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import make_scene
 
 from reference import lin_parker
@@ -170,7 +170,7 @@ def planet_of_its_own(raw, planet, mesh):
     )
     parameters = (*model.parameters, Parameter(own, stiffness.value, stiffness.unit))
     model = replace(model, instances=instances, parameters=parameters)
-    return Case(scene, model, build(generate(model))), own
+    return Case(scene, model, build(obtain(model))), own
 
 
 def test_a_pair_splits_as_the_matrices_by_hand_say():
