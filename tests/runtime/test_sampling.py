@@ -8,6 +8,7 @@ from ltcgear.runtime.rates import HARMONICS, LEAST, choose_rate, mesh_frequency
 from ltcgear.runtime.spectra import amplitude_spectrum, strongest_lines
 from ltcgear.runtime.statistics import window
 from ltcgear.symbolic import build_model, load_scene
+from ltcgear.symbolic.pipeline import obtain
 
 from .models import case
 
