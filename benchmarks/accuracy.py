@@ -17,12 +17,12 @@ from typing import Any
 
 from ltcgear.runtime.cli.measuring import measure
 from ltcgear.runtime.cli.opening import compile_model, open_scene
-from ltcgear.runtime.precision.cheapest import LIMITS, find_cheapest
-from ltcgear.runtime.precision.errors import KINDS, value_of
-from ltcgear.runtime.precision.figures import NAMES, draw_overview
-from ltcgear.runtime.precision.phases import PHASES, measure_phases
-from ltcgear.runtime.precision.record import read_record, to_text
-from ltcgear.runtime.precision.study import phases_setting
+from ltcgear.runtime.studies.accuracy.cheapest import LIMITS, find_cheapest
+from ltcgear.runtime.studies.accuracy.phases import PHASES, measure_phases
+from ltcgear.runtime.studies.accuracy.record import read_record, to_text
+from ltcgear.runtime.studies.accuracy.run_errors import KINDS, value_of
+from ltcgear.runtime.studies.accuracy.study import phases_setting
+from ltcgear.runtime.view.figures.accuracy_figures import NAMES, draw_overview
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE = DOCS / "accuracy.md"

@@ -16,7 +16,7 @@ from pathlib import Path
 from time import perf_counter
 
 from ltcgear.generated import store
-from ltcgear.runtime.precision.machine import describe_machine
+from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from numpy._core._multiarray_umath import __cpu_dispatch__
 
 from .marks import put

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 from ltcgear.generated import folders
-from ltcgear.runtime.batch import Batch
-from ltcgear.runtime.dynamics import Dynamics
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import build
-from ltcgear.runtime.precision.machine import describe_machine
+from ltcgear.runtime.export.solver.dynamics import Dynamics
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.rows import Batch
+from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

@@ -8,8 +8,10 @@ from pathlib import Path
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
-from ltcgear.runtime.hard.case import Bench
-from ltcgear.runtime.hard.dead_band import (
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS
+from ltcgear.runtime.studies.selftest.case import Bench
+from ltcgear.runtime.studies.selftest.dead_band import (
     AMPLITUDES,
     FINE,
     JUMPS,
@@ -21,9 +23,7 @@ from ltcgear.runtime.hard.dead_band import (
     small_amplitude,
     staircase,
 )
-from ltcgear.runtime.library import build
-from ltcgear.runtime.plots import BLUE, GREY, ORANGE
-from ltcgear.runtime.stepper import METHODS
+from ltcgear.runtime.view.plots import BLUE, GREY, ORANGE
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

@@ -14,9 +14,9 @@ from time import perf_counter, process_time
 from typing import Any
 
 from ltcgear.generated import folders
-from ltcgear.runtime.ensemble import simulate_many
-from ltcgear.runtime.library import build
-from ltcgear.runtime.precision.machine import describe_machine
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.simulate.ensemble import simulate_many
+from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

@@ -8,9 +8,9 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from ltcgear.runtime.library import build
-from ltcgear.runtime.plots import BLUE, ORANGE
-from ltcgear.runtime.simulation import simulate
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.view.plots import BLUE, ORANGE
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from ltcgear.runtime.cli.testing import open_bench
-from ltcgear.runtime.hard.cases import CASES
-from ltcgear.runtime.hard.matrix import draw_matrix, methods_of, reasons, row_of
-from ltcgear.runtime.hard.suite import run_suite
-from ltcgear.runtime.stepper import METHODS
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS
+from ltcgear.runtime.studies.selftest.cases import CASES
+from ltcgear.runtime.studies.selftest.suite import run_suite
+from ltcgear.runtime.view.tables.selftest_tables import draw_matrix, methods_of, reasons, row_of
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "hard-cases.md"
 FIGURE = PAGE.parent / "images" / "hard-cases.png"

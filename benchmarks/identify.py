@@ -15,24 +15,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.identification.fitting import Fit, fit, parameter_slopes, spread_of
-from ltcgear.runtime.identification.forecast import Forecast, Span
-from ltcgear.runtime.identification.posterior import SECANT, Posterior, look_around, move_alone, polish, total
-from ltcgear.runtime.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
-from ltcgear.runtime.identification.screening import screen, spread_points
-from ltcgear.runtime.identification.unknowns import Unknown, bounds_of, changes_of
-from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.linear.modes import Mode, find_modes
 from ltcgear.runtime.linear.naming import describe_modes
 from ltcgear.runtime.linear.sensitivity import differentiate_modes
 from ltcgear.runtime.linear.system import Linear, linearise
-from ltcgear.runtime.paper.table9 import tell_loads
-from ltcgear.runtime.simulation import simulate
-from ltcgear.runtime.statistics import group_of
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.results.statistics import group_of
+from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.studies.wu2021.table9 import tell_loads
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import SHIPPED, load_scene
+
+from benchmarks.identification.fitting import Fit, fit, parameter_slopes, spread_of
+from benchmarks.identification.forecast import Forecast, Span
+from benchmarks.identification.posterior import SECANT, Posterior, look_around, move_alone, polish, total
+from benchmarks.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
+from benchmarks.identification.screening import screen, spread_points
+from benchmarks.identification.unknowns import Unknown, bounds_of, changes_of
 
 from .marks import put
 

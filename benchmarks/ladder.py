@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from ltcgear.generated import folders
-from ltcgear.runtime.cost import MEASURES, ROUNDS, Variant, measure_costs
-from ltcgear.runtime.library import build
-from ltcgear.runtime.progress import progress
-from ltcgear.runtime.tables import Cell, Table
+from ltcgear.runtime.cli.progress import progress
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.results.table import Cell, Table
+from ltcgear.runtime.studies.cost import MEASURES, ROUNDS, Variant, measure_costs
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

@@ -12,16 +12,16 @@ from typing import Any
 from unittest.mock import patch
 
 from ltcgear.generated import store
-from ltcgear.runtime.ends import label
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.linear.energies import family
 from ltcgear.runtime.linear.modes import Mode, find_modes
 from ltcgear.runtime.linear.naming import describe_modes, sum_by
-from ltcgear.runtime.linear.shape_figure import draw_shapes
 from ltcgear.runtime.linear.system import Linear, linearise
-from ltcgear.runtime.paper.lines import forced_name, printed_lines
-from ltcgear.runtime.precision.machine import describe_machine
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.topology import label
+from ltcgear.runtime.studies.accuracy.machine import describe_machine
+from ltcgear.runtime.studies.wu2021.line_origins import forced_name, printed_lines
+from ltcgear.runtime.view.figures.shape_figures import draw_shapes
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.builder import SceneBuilder
 from ltcgear.symbolic.model import Model

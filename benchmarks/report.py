@@ -10,7 +10,7 @@ from typing import Any
 from ltcgear.runtime import load
 from ltcgear.runtime.cli.reporting import find_background
 from ltcgear.runtime.cli.running import run
-from ltcgear.runtime.report.page import write_report
+from ltcgear.runtime.view.report.page import write_report
 from playwright.sync_api import sync_playwright
 
 IMAGES = Path(__file__).parents[1] / "docs" / "images"

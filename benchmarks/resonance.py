@@ -6,17 +6,17 @@ Run as ``python -m benchmarks.resonance``; it writes the table of docs/resonance
 from pathlib import Path
 from typing import Any
 
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.linear.campbell import sweep_speed
 from ltcgear.runtime.linear.crossings import find_crossings
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.naming import describe_modes
 from ltcgear.runtime.linear.orders import list_orders
 from ltcgear.runtime.linear.resonance import tell_campbell, tell_response
-from ltcgear.runtime.linear.resonance_figures import draw_campbell, draw_response
 from ltcgear.runtime.linear.response import choose_frequencies, respond
 from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.view.figures.resonance_figures import draw_campbell, draw_response
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

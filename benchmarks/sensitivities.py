@@ -6,9 +6,9 @@ Run as ``python -m benchmarks.sensitivities``; it writes the tables of docs/sens
 from pathlib import Path
 from typing import Any
 
-from ltcgear.runtime.library import Library, build
-from ltcgear.runtime.sensitivity.items import list_modes, list_output
-from ltcgear.runtime.sensitivity.listing import chosen, write_listing
+from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.studies.sensitivity.items import list_modes, list_output
+from ltcgear.runtime.view.tables.sensitivity_tables import chosen, write_listing
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.model import Model
 from ltcgear.symbolic.pipeline import obtain

@@ -10,12 +10,12 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from ltcgear.runtime.batch import over_time
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.integration import integrate
-from ltcgear.runtime.kernel import Vector
-from ltcgear.runtime.library import build
-from ltcgear.runtime.plots import BLUE, GREY, ORANGE, SKY
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.function import Vector
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.simulate.integration import integrate
+from ltcgear.runtime.view.plots import BLUE, GREY, ORANGE, SKY
 from ltcgear.symbolic import gears
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain

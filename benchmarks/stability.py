@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from ltcgear.runtime.library import Library, build
 from ltcgear.runtime.linear.chart import RPM, Chart, draw_up
-from ltcgear.runtime.linear.chart_figure import draw_chart
 from ltcgear.runtime.linear.floquet import Floquet, find_multipliers
 from ltcgear.runtime.linear.periodic import vary
+from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.view.figures.stability_figures import draw_chart
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

@@ -4,24 +4,24 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
-    "Dynamics": "dynamics",
-    "build": "library",
+    "Dynamics": "export.solver.dynamics",
+    "build": "model.library",
     "describe_modes": "linear.naming",
     "differentiate_modes": "linear.sensitivity",
-    "find_equilibrium": "equilibrium",
+    "find_equilibrium": "model.equilibrium",
     "find_modes": "linear.modes",
-    "integrate": "integration",
+    "integrate": "simulate.integration",
     "linearise": "linear.system",
-    "load": "results",
-    "load_sweep": "sweeping.store",
-    "record": "recording",
+    "load": "results.result",
+    "load_sweep": "studies.sweep.sweep_file",
+    "record": "simulate.recording",
     "respond": "linear.response",
-    "save": "results",
-    "simulate": "simulation",
-    "simulate_many": "ensemble",
-    "sweep": "sweeping.run",
-    "write_fmu": "fmu.package",
-    "write_report": "report.page",
+    "save": "results.result",
+    "simulate": "simulate.simulation",
+    "simulate_many": "simulate.ensemble",
+    "sweep": "studies.sweep.run_sweep",
+    "write_fmu": "export.fmu.package",
+    "write_report": "view.report.page",
 }
 __all__ = list(_HOME)
 

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from ltcgear.runtime import cli
+from ltcgear.runtime.cli import commands
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -50,7 +50,7 @@ def run(monkeypatch, capsys):
         monkeypatch.setattr(sys, "argv", ["ltcgear", *map(str, arguments)])
         capsys.readouterr()
         try:
-            cli.main()
+            commands.main()
             code = 0
         except SystemExit as stop:
             code = stop.code or 0

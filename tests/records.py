@@ -1,6 +1,6 @@
 """A record made by hand: two methods, a gap, an error too near the reference."""
 
-from ltcgear.runtime.precision.cheapest import list_cheapest
+from ltcgear.runtime.studies.accuracy.cheapest import list_cheapest
 
 COUNTS = {"steps": 10, "rhs": 60, "jacobian": 0, "rejected": 0, "segments": 1, "events": 2, "regimes": 0}
 

@@ -12,7 +12,10 @@ from time import sleep
 import pytest
 from ltcgear.generated import store as generated_store
 from ltcgear.generated import writing
-from ltcgear.runtime import cli, integration, library, native, present
+from ltcgear.runtime.cli import commands
+from ltcgear.runtime.model import cstruct, library
+from ltcgear.runtime.simulate import integration
+from ltcgear.runtime.view.tables import printed
 from ltcgear.symbolic.scene import shipped_scenes
 
 SHORT = ("--t-end", "0.01")
@@ -276,7 +279,7 @@ def test_an_interrupted_run_goes_on_or_is_begun_anew(run, refused, tmp_path, mon
     command = ("simulate", "psh", *SHORT, "-o", tmp_path / "result.nc")
     for last in ("--resume", "--force"):
         with monkeypatch.context() as patch:
-            patch.setattr(cli.running, "progress", stopping)
+            patch.setattr(commands.running, "progress", stopping)
             patch.setattr(integration, "SLICE", 0.0)
             code, _, err = run(*command)
         assert code == 130
@@ -326,7 +329,7 @@ def test_help_and_no_command(run):
     [(2.37, "2.4 times faster than real time"), (0.38, "2.6 times slower than real time"), (0.0, "stopped")],
 )
 def test_pace(factor, text):
-    assert present.pace(factor).startswith(text)
+    assert printed.pace(factor).startswith(text)
 
 
 # --- exit code 1
@@ -417,7 +420,7 @@ def nothing_computed(monkeypatch):
     def computed(*arguments, **keys):
         pytest.fail("computed before the target was refused")
 
-    monkeypatch.setattr(cli.running, "open_scene", computed)
+    monkeypatch.setattr(commands.running, "open_scene", computed)
 
 
 @pytest.mark.usefixtures("nothing_computed")
@@ -463,8 +466,8 @@ def test_a_scene_without_equilibrium_is_exit_code_3(refused):
 
 def test_a_run_that_stops_is_exit_code_3(run, monkeypatch, tmp_path):
     summary = {"status": "erk stopped at t = 0.1 s"}
-    monkeypatch.setattr(cli.running, "run", lambda *arguments, **keys: summary)
-    monkeypatch.setattr(present, "simulated", lambda data: None)
+    monkeypatch.setattr(commands.running, "run", lambda *arguments, **keys: summary)
+    monkeypatch.setattr(printed, "simulated", lambda data: None)
     for command in (("simulate", "lsp"), ("paper", "-o", tmp_path)):
         code, _, err = run(*command)
         assert (code, err) == (3, "ltcgear: erk stopped at t = 0.1 s\n")
@@ -481,14 +484,14 @@ def test_a_compiler_that_is_not_there_is_exit_code_3(refused, monkeypatch):
 
 def test_without_a_compiler_the_virtual_machine_serves_all_but_simulations(run, monkeypatch):
     monkeypatch.setattr(library.store, "compiler", lambda: None)
-    native.engine.cache_clear()
+    cstruct.engine.cache_clear()
     code, out, err = run("modes", "psh", "--json")
     assert code == 0
     assert json.loads(out)["modes"]
     assert "no C compiler found" in err
     code, out, err = run("simulate", "psh", "--t-end", "0.002", "--json")
     assert (code, out) == (3, "")
-    assert err.splitlines()[-1] == f"ltcgear: {native.NEEDED}"
+    assert err.splitlines()[-1] == f"ltcgear: {cstruct.NEEDED}"
 
 
 # --- the program itself

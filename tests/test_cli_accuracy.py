@@ -3,9 +3,9 @@
 import json
 
 import pytest
-from ltcgear.runtime import cli
-from ltcgear.runtime.precision import phases, reference
-from ltcgear.runtime.precision.phases import PHASES, measure_phases
+from ltcgear.runtime.cli import commands
+from ltcgear.runtime.studies.accuracy import phases, reference
+from ltcgear.runtime.studies.accuracy.phases import PHASES, measure_phases
 
 TIME = ("--t-end", "0.01")
 FEW = ("--method", "erk", "--method", "cvodes", "--rtol", "1e-3", "--rtol", "1e-6")
@@ -73,7 +73,7 @@ def test_without_reference_the_reason_is_told(run, monkeypatch):
 
 def test_a_record_is_made_once_and_kept(run, monkeypatch):
     """Only erk and two tolerances, to be quick; the second run finds the record."""
-    from ltcgear.runtime.precision import presets, study
+    from ltcgear.runtime.studies.accuracy import presets, study
 
     few = presets.Preset((1e-3, 1e-5), 1.1, 64, 60.0, 0.0)
     monkeypatch.setitem(presets.PRESETS, "quick", few)
@@ -123,8 +123,8 @@ def test_bad_input_is_exit_code_2(run, monkeypatch, arguments, reason):
         pytest.fail("computed before the input was refused")
 
     if "nosuch" not in arguments:
-        monkeypatch.setattr(cli.measuring, "open_scene", computed)
-        monkeypatch.setattr(cli.running, "open_scene", computed)
+        monkeypatch.setattr(commands.measuring, "open_scene", computed)
+        monkeypatch.setattr(commands.running, "open_scene", computed)
     for more in ([], ["--json"]):
         code, out, err = run(*arguments, *more)
         assert (code, out) == (2, "")

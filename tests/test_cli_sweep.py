@@ -9,8 +9,8 @@ from time import monotonic, sleep
 import pytest
 from ltcgear.generated.errors import SolverError
 from ltcgear.runtime import load_sweep
-from ltcgear.runtime.part import part_of
-from ltcgear.runtime.sweeping import task
+from ltcgear.runtime.results.row_file import part_of
+from ltcgear.runtime.studies.sweep import task
 
 SPEEDS = ("--vary", "loads.ring.speed=5 rpm:20 rpm:4", "--t-end", "0.02", "--workers", "1")
 

@@ -3,8 +3,8 @@
 import pytest
 import xarray as xr
 from ltcgear.runtime import load_sweep
-from ltcgear.runtime.sweeping import planning, store, task
-from ltcgear.runtime.sweeping import run as sweeping
+from ltcgear.runtime.studies.sweep import planning, sweep_file, task
+from ltcgear.runtime.studies.sweep import run_sweep as sweeping
 
 ARGUMENTS = ("sweep", "lsp", "--vary", "loads.ring.speed=5 rpm:20 rpm:4", "--t-end", "0.02", "--workers", "1")
 NOTHING = "no row was there yet; the same command begins anew"
@@ -13,10 +13,10 @@ WHOLE = "{} has all rows"
 STAGES = {
     "build": (planning, "make_plan", 1, NOTHING),
     "compile": (planning, "prepare", 1, NOTHING),
-    "heading": (store, "SweepPart", 1, NOTHING),
+    "heading": (sweep_file, "SweepPart", 1, NOTHING),
     "first point": (task, "simulate", 1, NOTHING),
     "third point": (task, "simulate", 3, KEPT),
-    "seal": (store, "save", 1, KEPT),
+    "seal": (sweep_file, "save", 1, KEPT),
     "summary": (sweeping, "tell_sweep", 1, WHOLE),
 }
 

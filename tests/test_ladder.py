@@ -5,7 +5,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from ltcgear.runtime.cost import MEASURES
+from ltcgear.runtime.studies.cost import MEASURES
 from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain

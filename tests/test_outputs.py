@@ -11,9 +11,10 @@ import pytest
 import xarray as xr
 from ltcgear.generated.lock import Lock
 from ltcgear.generated.writing import force
-from ltcgear.runtime import part, recording
-from ltcgear.runtime.part import part_of
-from ltcgear.runtime.results import load
+from ltcgear.runtime.results import row_file
+from ltcgear.runtime.results.result import load
+from ltcgear.runtime.results.row_file import part_of
+from ltcgear.runtime.simulate import recording
 from ltcgear.symbolic.scene import SHIPPED
 
 RUN = ("--t-end", "0.002")
@@ -108,7 +109,7 @@ def test_a_run_or_sweep_is_refused_while_another_writes(refused, tmp_path):
 
 def test_rows_that_something_else_changed_are_not_sealed(refused, tmp_path, monkeypatch):
     """As another program without a lock would."""
-    seal = part.Part.seal
+    seal = row_file.Part.seal
 
     def changed(self, heading):
         with self.path.open("r+b") as file:
@@ -116,7 +117,7 @@ def test_rows_that_something_else_changed_are_not_sealed(refused, tmp_path, monk
             file.write(b"\xff" * 8)
         seal(self, heading)
 
-    monkeypatch.setattr(part.Part, "seal", changed)
+    monkeypatch.setattr(row_file.Part, "seal", changed)
     text = refused("simulate", "psh", *RUN, "-o", tmp_path / "a.nc")
     assert "a.part.nc: was changed by something else while the run went on" in text
     assert not (tmp_path / "a.nc").exists()
@@ -238,8 +239,8 @@ def test_room_for_a_result_is_reserved_before_it_is_written(tmp_path, monkeypatc
         begin(draft, dataset, more)
         sizes.append(draft.stat().st_size)
 
-    begin = part.begin
-    monkeypatch.setattr(part, "begin", noted)
+    begin = row_file.begin
+    monkeypatch.setattr(row_file, "begin", noted)
     from .runtime.models import case
     from .runtime.test_stream import write
 
@@ -254,7 +255,7 @@ def test_two_programs_at_once_make_one_result(tmp_path):
     command = [
         sys.executable,
         "-c",
-        "from ltcgear.runtime.cli import main; main()",
+        "from ltcgear.runtime.cli.commands import main; main()",
         "simulate",
         "psh",
         "--t-end",
@@ -299,8 +300,8 @@ def test_what_refusals_advise_works(run, refused, tmp_path, monkeypatch):
 
 def test_an_unfinished_run_is_begun_anew_once_its_rows_are_deleted(run, refused, tmp_path):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(part.Part, "seal", lambda self, heading: None)
-        patch.setattr(part.Part, "remove", lambda self: None)
+        patch.setattr(row_file.Part, "seal", lambda self, heading: None)
+        patch.setattr(row_file.Part, "remove", lambda self: None)
         run("simulate", "psh", *RUN, "-o", tmp_path / "a.nc")
     assert part_of(tmp_path / "a.nc").exists()
     text = refused("simulate", "psh", *RUN, "-o", tmp_path / "a.nc")

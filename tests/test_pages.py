@@ -8,11 +8,11 @@ from math import pi
 import numpy as np
 import pytest
 from ltcgear.generated import store
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import build
-from ltcgear.runtime.precision.record import digest_numbers, read_record
-from ltcgear.runtime.stepper import METHODS
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS
+from ltcgear.runtime.studies.accuracy.record import digest_numbers, read_record
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

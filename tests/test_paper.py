@@ -9,12 +9,12 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from ltcgear.runtime.comparison import compare
-from ltcgear.runtime.identification.posterior import total
-from ltcgear.runtime.library import build
-from ltcgear.runtime.paper.page import fitted
-from ltcgear.runtime.paper.table9 import FACTOR_AIM, MEAN_AIM, tell_loads
-from ltcgear.runtime.simulation import simulate
+from benchmarks.identification.posterior import total
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.studies.wu2021.comparison import compare
+from ltcgear.runtime.studies.wu2021.table9 import FACTOR_AIM, MEAN_AIM, tell_loads
+from ltcgear.runtime.view.wu2021.paper_page import fitted
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import SHIPPED, load_scene
@@ -185,13 +185,13 @@ class Reader(HTMLParser):
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     """The page of a short run, as the command writes it, with a name that is HTML."""
-    from ltcgear.runtime.cli import main
+    from ltcgear.runtime.cli.commands import main
 
     folder = tmp_path_factory.mktemp("paper")
     with pytest.MonkeyPatch.context() as patch:
         kept = json.loads(json.dumps(fitted()))
         kept["unknowns"][0]["name"] = "<script>alert(1)</script> & more"
-        patch.setattr("ltcgear.runtime.paper.page.fitted", lambda: kept)
+        patch.setattr("ltcgear.runtime.view.wu2021.paper_page.fitted", lambda: kept)
         patch.setattr(sys, "argv", ["ltcgear", "paper", "-o", str(folder), "--t-end", "0.6", "--set", "title=<i>x</i>"])
         with pytest.raises(SystemExit) as stop:
             main()

@@ -8,9 +8,9 @@ import pint
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
-from ltcgear.runtime.energy import energy_residual
-from ltcgear.runtime.integration import integrate
-from ltcgear.runtime.kernel import Kernel
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.simulate.energy_balance import energy_residual
+from ltcgear.runtime.simulate.integration import integrate
 
 from stages import Stage, pairs, planetaries
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 from ltcgear.generated import store
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import build
-from ltcgear.runtime.simulation import simulate
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.simulate.simulation import simulate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import generate
 

@@ -8,7 +8,7 @@ import json
 from time import perf_counter
 
 from ltcgear.generated import store
-from ltcgear.runtime.library import build
+from ltcgear.runtime.model.library import build
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import content_key, generate
 from ltcgear.symbolic.scene import load_scene

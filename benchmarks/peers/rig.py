@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from ltcgear.runtime.batch import over_time
-from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import Library, build
-from ltcgear.runtime.scaling import vibration_scale
-from ltcgear.runtime.switching import Phases, cells_of, levels_of, upper
+from ltcgear.runtime.model.contact_levels import Phases, cells_of, levels_of, upper
+from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.model.vibration_scale import vibration_scale
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

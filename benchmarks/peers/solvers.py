@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from ltcgear.runtime.kernel import Kernel
+from ltcgear.runtime.model.function import Kernel
 from numpy.typing import NDArray
 from scipy import integrate
 

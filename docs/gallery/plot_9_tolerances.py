@@ -29,8 +29,8 @@ from ltcgear.runtime import (
     load_sweep,
     sweep,
 )
-from ltcgear.runtime.sweeping.figures import draw_spectra, draw_sweep
-from ltcgear.runtime.sweeping.listing import list_tables
+from ltcgear.runtime.view.figures.sweep_figures import draw_spectra, draw_sweep
+from ltcgear.runtime.view.tables.sweep_tables import list_tables
 from ltcgear.symbolic import Template, build_model, generate, load_scene
 
 folder = Path(tempfile.mkdtemp())

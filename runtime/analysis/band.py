@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..statistics import sampling_rate
+from ..results.statistics import sampling_rate
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..spectra import window_samples
+from ..results.amplitude_spectrum import window_samples
 from .trace import Trace, read_trace
 
 if TYPE_CHECKING:

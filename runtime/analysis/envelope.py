@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..spectra import amplitude_spectrum, noise_bandwidth
+from ..results.amplitude_spectrum import amplitude_spectrum, noise_bandwidth
 from .spectrum import Spectrum
 from .trace import FloatArray, Trace, read_trace
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..spectra import explain_line, nearest_mode, strongest_lines
-from ..statistics import mesh_frequencies, shaft_speeds, stage_of
+from ..results.amplitude_spectrum import explain_line, nearest_mode, strongest_lines
+from ..results.statistics import mesh_frequencies, shaft_speeds, stage_of
 from .band import Band, find_band
 from .decay import decays_as
-from .orders import TURN
+from .order_spectrum import TURN
 from .spectrum import Spectrum
 from .waterfall import STANDING
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..statistics import stage_of
+from ..results.statistics import stage_of
 from .trace import FloatArray, list_items, pick, read_trace
 from .transmission import parameter
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..statistics import group_of, mesh_statistics
+from ..results.statistics import group_of, statistics
 from .trace import FEWEST, FloatArray, front, list_items, pick, read_trace
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def find_load_share(dataset: xr.Dataset, group: str) -> LoadShare:
         raise LtcgearError(f"{group}: no group of several meshes; there are {', '.join(several) or 'none'}")
     time, force = _read_forces(dataset, meshes)
     total = force.mean(axis=1)
-    found = mesh_statistics(dataset, float(time[0]))
+    found = statistics(dataset, float(time[0]))
     mean = mean_shares(np.array([found[mesh]["mean"] for mesh in meshes]), float(np.abs(force).max()))
     if mean is None:
         raise LtcgearError(f"{group}: carries no load in the mean, so it has no shares")

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..rounding import STILL
-from ..statistics import are_followed, sampling_rate, steady_start, window
+from ..results.rounding import STILL
+from ..results.statistics import are_followed, sampling_rate, steady_start, window
 from .trace import FEWEST
 
 if TYPE_CHECKING:

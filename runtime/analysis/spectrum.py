@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..spectra import WINDOWS, amplitude_spectrum, noise_bandwidth, planar_spectrum, window_samples
+from ..results.amplitude_spectrum import WINDOWS, amplitude_spectrum, noise_bandwidth, planar_spectrum, window_samples
 from .trace import FEWEST, FloatArray, Trace, read_trace
 
 if TYPE_CHECKING:

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..rounding import round_statistics, without_rounding
-from ..statistics import group_of, mesh_statistics, stage_of
+from ..results.rounding import round_statistics, without_rounding
+from ..results.statistics import group_of, stage_of, statistics
 from .bearings import BearingLoad, list_bearing_loads
 from .cycles import Cycles, count_cycles
 from .duration import LoadDuration, find_load_duration
 from .envelope import Envelope, Sidebands, choose_band, find_envelope, find_sidebands
 from .lines import DUST, Clues, NamedLine, find_clues, name_lines, turns_per_second
 from .orbits import Orbit, find_orbit, list_members
-from .orders import choose_shaft, find_order_spectrum, shaft_angle
+from .order_spectrum import choose_shaft, find_order_spectrum, shaft_angle
 from .sharing import LoadShare, find_leads, find_load_share, list_groups
 from .span import CHANGING, cut, speed_change
 from .spectrum import Spectrum, find_density, find_spectrum
@@ -136,7 +136,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     leads = find_leads(part)
     return Survey(
         part, float(time[0]), float(time[-1]), clues, seen,
-        round_statistics(mesh_statistics(part, float(time[0])), dataset) if meshes else {},
+        round_statistics(statistics(part, float(time[0])), dataset) if meshes else {},
         tuple(share for share in shares if share is not None), tuple(_errors(part, leads)),
         tuple(_durations(part, leads)), tuple(_cycles(part, leads, notes)), list_bearing_loads(part),
         tuple(find_orbit(part, member, dataset) for member in list_members(part) if ".planet." not in member),

@@ -9,7 +9,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from ..outputs import find_columns
+from ..results.select import find_columns
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..spectra import window_samples
-from ..statistics import group_of, stage_of
-from .orders import TURN
+from ..results.amplitude_spectrum import window_samples
+from ..results.statistics import group_of, stage_of
+from .order_spectrum import TURN
 from .trace import FloatArray, list_items, phase_of, pick, read_trace
 
 if TYPE_CHECKING:

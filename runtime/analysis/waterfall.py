@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..spectra import WINDOWS, amplitude_spectrum, noise_bandwidth
-from ..statistics import stage_of
+from ..results.amplitude_spectrum import WINDOWS, amplitude_spectrum, noise_bandwidth
+from ..results.statistics import stage_of
 from .trace import FEWEST, FloatArray, list_items, pick, read_trace
 
 if TYPE_CHECKING:

@@ -7,11 +7,11 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import make_folder
 
-from .. import present
-from ..options import AsJson, Force, ResultPath
-from ..progress import progress
+from ..view.tables import printed
 from .app import app
 from .opening import restore_modes
+from .options import AsJson, Force, ResultPath
+from .progress import progress
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,10 +60,10 @@ def analyse(
     folder: Folder = None, form: Format = "png", force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell what a result shows: named lines, load shares, factors, transmission error, cycles, bearings, orbits."""
-    from ..analysis.listing import list_tables
     from ..analysis.survey import Options
     from ..analysis.survey import analyse as survey
-    from ..results import load
+    from ..results.result import load
+    from ..view.tables.analysis_tables import list_tables
 
     edges = _read_band(band)
     if form not in FORMATS:
@@ -83,7 +83,7 @@ def analyse(
         "notes": notes, "tables": {name: table.to_json() for name, table in tables.items()},
         "files": [str(path) for path in files],
     }  # fmt: skip
-    present.show(as_json, data, lambda shown: present.analysed(shown, list(tables.values()), files))
+    printed.show(as_json, data, lambda shown: printed.analysed(shown, list(tables.values()), files))
 
 
 def _read_band(text: str | None) -> tuple[float, float] | None:
@@ -113,8 +113,8 @@ def _modes(dataset: "xr.Dataset", notes: list[str]) -> "tuple[Mode, ...]":
 
 def _write(found: "Survey", tables: dict[str, Any], folder: Path, form: str) -> list[Path]:
     """Write tables and figures."""
-    from ..analysis.gallery import draw_survey
-    from ..plots import save_figure
+    from ..view.figures.gallery import draw_survey
+    from ..view.plots import save_figure
 
     files = [table.write_csv(folder / _file(name, "csv")) for name, table in tables.items()]
     with progress(f"draw to {folder}", 1, "") as told:

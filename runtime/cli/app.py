@@ -8,9 +8,9 @@ import typer
 from ltcgear.generated.errors import LtcgearError, MachineError
 from ltcgear.generated.text import write_out
 
-from ..machine import find_fault
-from ..streams import outlets
-from ..terminal import tell
+from ..results.terminal import tell
+from .machine_faults import find_fault
+from .streams import outlets
 
 # Plain help: rich would take "[s]" for markup and drop it.
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)

@@ -7,10 +7,10 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.folders import write_unchanged
 
-from .. import present
-from ..options import AsJson, CFolder, Changes, Force, Fresh, MaybeScene, Printed, SceneName, Sources
+from ..view.tables import printed
 from .app import app
 from .opening import compile_model, open_scene, read_run, split_changes
+from .options import AsJson, CFolder, Changes, Force, Fresh, MaybeScene, Printed, SceneName, Sources
 
 
 @app.command()
@@ -19,7 +19,7 @@ def scenes(as_json: AsJson = False) -> None:
     from ltcgear.symbolic.scene import load_scene, shipped_scenes
 
     listed = [{"name": name, "title": load_scene(name).title} for name in shipped_scenes()]
-    present.show(as_json, {"scenes": listed}, present.scenes)
+    printed.show(as_json, {"scenes": listed}, printed.scenes)
 
 
 @app.command()
@@ -27,7 +27,7 @@ def effects(as_json: AsJson = False) -> None:
     """List the effects a scene can call for."""
     from ltcgear.symbolic.effect_page import list_effects
 
-    present.show(as_json, {"effects": list_effects()}, present.effects)
+    printed.show(as_json, {"effects": list_effects()}, printed.effects)
 
 
 @app.command()
@@ -39,7 +39,7 @@ def info(scene: SceneName, sources: Sources = False, changes: Changes = None, as
     data = survey(opened.scene, opened.model, opened.artifact.manifest)
     if sources:
         data["sources"] = dict(opened.scene.sources)
-    present.show(as_json, data, present.info)
+    printed.show(as_json, data, printed.info)
 
 
 @app.command()
@@ -52,7 +52,7 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
     if paper:
         from ltcgear.symbolic.checks.paper import check_paper
 
-        present.show(as_json, {"equations": [asdict(verdict) for verdict in check_paper()]}, present.paper_verdicts)
+        printed.show(as_json, {"equations": [asdict(verdict) for verdict in check_paper()]}, printed.paper_verdicts)
         return
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.checks.run import check_model
@@ -61,7 +61,7 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
     results = check_model(build_model(load_scene(scene or "", split_changes(changes))))
     listed = [asdict(result) for result in results]
     passed = all(item["passed"] for item in listed)
-    present.show(as_json, {"passed": passed, "checks": listed}, present.checks)
+    printed.show(as_json, {"passed": passed, "checks": listed}, printed.checks)
     if not passed:
         raise typer.Exit(1)
 
@@ -85,8 +85,8 @@ def generate(
     del files["graphs.casadi"]
     folder = output or store.model_folder(opened.key)
     if output is not None:
-        from ..plain.data import write_data
-        from ..plain.kit import write_kit
+        from ..export.plain_c.data import write_data
+        from ..export.plain_c.kit import write_kit
 
         files |= write_kit() | {"data.c": write_data(library, opened.scene.name, read_run(opened, library))}
         write_unchanged(output, files)
@@ -98,4 +98,4 @@ def generate(
         "seconds": dict.fromkeys(("derive", "check", "emit"), 0.0) | opened.seconds,
         "key": opened.key,
     }
-    present.show(as_json, data, present.generated)
+    printed.show(as_json, data, printed.generated)

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from .. import present
-from ..options import AsJson, Changes, Force, SceneName
+from ..view.tables import printed
 from .app import app
 from .opening import compile_model, open_scene, rate_of
+from .options import AsJson, Changes, Force, SceneName
 
 FmuFile = Annotated[Path, typer.Option("-o", "--output", help="File to write, .fmu.")]
 Kind = Annotated[
@@ -26,8 +26,8 @@ def export_fmu(
     as_json: AsJson = False,
 ) -> None:
     """Write a scene as an FMU. Loads that are one number become inputs."""
-    from ..fmu.binary import require_compiler
-    from ..fmu.package import check_fmu, check_kind, write_fmu
+    from ..export.fmu.binary import require_compiler
+    from ..export.fmu.package import check_fmu, check_kind, write_fmu
 
     check_kind(kind)
     check_fmu(output, scene)
@@ -39,4 +39,4 @@ def export_fmu(
         title=opened.scene.title, tables=opened.model.tables, inputs=opened.inputs, t_end=opened.scene.simulation.t_end,
         rate=rate_of(opened, library),
     )  # fmt: skip
-    present.show(as_json, written, present.exported_fmu)
+    printed.show(as_json, written, printed.exported_fmu)

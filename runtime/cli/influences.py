@@ -6,10 +6,10 @@ from typing import Annotated
 import typer
 from ltcgear.generated.errors import LtcgearError
 
-from .. import present
-from ..options import AsJson, Changes, EndTime, Force, Method, SceneName
+from ..view.tables import printed
 from .app import app
 from .opening import compile_model, open_scene
+from .options import AsJson, Changes, EndTime, Force, Method, SceneName
 
 ModeNumber = Annotated[
     int | None,
@@ -45,9 +45,9 @@ def sensitivity(
     top: Top = None, file: Listing = None, changes: Changes = None, force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell what to change: how eigenfrequencies, or an output of a simulation, follow every parameter."""
-    from ..sensitivity.items import list_modes, list_output
-    from ..sensitivity.listing import check_listing, make_tables, write_listing
-    from ..simulation import check_options
+    from ..simulate.simulation import check_options
+    from ..studies.sensitivity.items import list_modes, list_output
+    from ..view.tables.sensitivity_tables import check_listing, make_tables, write_listing
 
     if file is not None:
         check_listing(file, scene)
@@ -66,4 +66,4 @@ def sensitivity(
     data = {"scene": opened.scene.name, **found}
     shown = top or (10 if len(data["items"]) <= 2 else 3)
     files = [] if file is None else [write_listing(data, file, top or 10)]
-    present.show(as_json, data, lambda listed: present.listed(make_tables(listed, shown), files))
+    printed.show(as_json, data, lambda listed: printed.listed(make_tables(listed, shown), files))

@@ -8,10 +8,10 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import check_output
 
-from .. import present
-from ..options import AsJson, Changes, Force, SceneName
+from ..view.tables import printed
 from .app import app
 from .opening import Opened, choose_count, compile_model, linearise_model, open_scene
+from .options import AsJson, Changes, Force, SceneName
 
 if TYPE_CHECKING:
     from ..linear.system import Linear
@@ -43,10 +43,10 @@ def modes(
     changes: Changes = None, force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """List eigenfrequencies, damping and mode shapes at the loaded equilibrium; with -o, write or draw them."""
-    from ..linear.listing import list_modes
     from ..linear.modes import find_modes
     from ..linear.naming import describe_modes
-    from ..present_linear import modes as for_people
+    from ..view.tables.mode_rows import list_modes
+    from ..view.tables.modes_printed import modes as for_people
 
     if output is not None:
         check_output(output, scene)
@@ -62,7 +62,7 @@ def modes(
     }  # fmt: skip
     if output is not None:
         data["files"] = [str(_write(linear, found, mode, data | {"title": opened.scene.title}, output))]
-    present.show(as_json, data, for_people)
+    printed.show(as_json, data, for_people)
 
 
 def open_linear(opened: Opened, turn: float | None = None) -> "Linear":
@@ -89,7 +89,7 @@ def _check(turn: float | None, count: int | None, chosen: list[int] | None, outp
 
 def _write(linear: "Linear", found: list[Any], chosen: list[int] | None, data: dict[str, Any], path: Path) -> Path:
     """Write a table or draw mode shapes, by the suffix."""
-    from ..linear.listing import write_modes
+    from ..view.tables.mode_rows import write_modes
 
     if path.suffix in LISTS:
         return write_modes(data, path)
@@ -97,8 +97,8 @@ def _write(linear: "Linear", found: list[Any], chosen: list[int] | None, data: d
         raise LtcgearError(
             f"--mode {max(chosen)}: there are {len(found)} modes; give a number up to that, or --count more"
         )
-    from ..linear.shape_figure import draw_shapes
-    from ..linear.shape_page import write_page
+    from ..view.figures.shape_figures import draw_shapes
+    from ..view.figures.shape_page import write_page
 
     if path.suffix == PAGE:
         numbers = sorted(set(chosen or range(1, len(found) + 1)))

@@ -7,17 +7,17 @@ import typer
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.generated.writing import make_folder
 
-from .. import present
-from ..options import AsJson, Changes, Force, SceneName
-from ..progress import progress
-from ..terminal import tell
+from ..results.terminal import tell
+from ..view.tables import printed
 from .app import app
 from .opening import Opened, compile_model, open_scene, rate_of
+from .options import AsJson, Changes, Force, SceneName
+from .progress import progress
 from .testing import MethodNames, choose
 
 if TYPE_CHECKING:
-    from ..library import Library
-    from ..precision.selection import Setting
+    from ..model.library import Library
+    from ..studies.accuracy.selection import Setting
 
 PresetName = Annotated[
     str, typer.Option("--preset", metavar="NAME", help="quick (some tolerances, under a minute) or full.")
@@ -43,13 +43,13 @@ def accuracy(
     force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Measure which accuracy every method gives for its time. Exit code 3 where there is no reference to judge by."""
-    from ..precision.listing import make_tables
-    from ..precision.phases import measure_phases
-    from ..precision.presets import check_preset
-    from ..precision.record import keep, write_record
-    from ..precision.study import phases_setting
-    from ..simulation import check_options
-    from ..stepper import METHODS, check_method
+    from ..simulate.methods.segment_methods import METHODS, check_method
+    from ..simulate.simulation import check_options
+    from ..studies.accuracy.phases import measure_phases
+    from ..studies.accuracy.presets import check_preset
+    from ..studies.accuracy.record import keep, write_record
+    from ..studies.accuracy.study import phases_setting
+    from ..view.tables.accuracy_tables import make_tables
 
     check_preset(preset)
     methods = choose(method, list(METHODS), "method") if method else None
@@ -67,19 +67,19 @@ def accuracy(
         keep(record)
     files = []
     if output is not None:
-        from ..precision.figures import draw_all
+        from ..view.figures.accuracy_figures import draw_all
 
         files = [*write_record(record, output), *draw_all(record, output)]
-    present.show(as_json, record, lambda shown: present.listed(make_tables(shown), files))
+    printed.show(as_json, record, lambda shown: printed.listed(make_tables(shown), files))
     if record["reference"]["reason"] is not None:
         raise SolverError(f"{scene}: no reference for errors: {record['reference']['reason']}")
 
 
 def measure(opened: Opened, library: "Library", preset: str, **wanted: Any) -> dict[str, Any]:  # noqa: ANN401
     """Measure a scene that is built; ``wanted`` are times, methods and tolerances that are not the preset's."""
-    from ..hard.case import Bench
-    from ..precision.presets import check_preset
-    from ..precision.study import Wanted, run_study
+    from ..studies.accuracy.presets import check_preset
+    from ..studies.accuracy.study import Wanted, run_study
+    from ..studies.selftest.case import Bench
 
     model = opened.model
     bench = Bench(library, model.values(), model.tables)
@@ -93,7 +93,7 @@ def measure(opened: Opened, library: "Library", preset: str, **wanted: Any) -> d
 
 def _keys(opened: Opened) -> tuple[str, str]:
     """Return the keys of a model and of its numbers."""
-    from ..precision.record import digest_numbers
+    from ..studies.accuracy.record import digest_numbers
 
     return opened.key, digest_numbers(opened.scene.model_dump_json(exclude_none=True))
 
@@ -103,8 +103,8 @@ def check_accuracy(asked: str | None, path: Path | None, given: list[str]) -> No
 
     ``given`` are options that say what the accuracy would choose.
     """
-    from ..precision.record import read_record
-    from ..precision.selection import read_percentage
+    from ..studies.accuracy.record import read_record
+    from ..studies.accuracy.selection import read_percentage
 
     if asked is None:
         if path is not None:
@@ -122,8 +122,8 @@ def find_setting(opened: Opened, library: "Library", asked: str, path: Path | No
 
     One that is made now is kept, so that the wait comes once for a model with its numbers.
     """
-    from ..precision.record import keep, kept_path, read_record
-    from ..precision.selection import read_percentage, select_setting
+    from ..studies.accuracy.record import keep, kept_path, read_record
+    from ..studies.accuracy.selection import read_percentage, select_setting
 
     keys = _keys(opened)
     limit, source = read_percentage(asked), path or kept_path(*keys)

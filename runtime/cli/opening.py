@@ -9,19 +9,19 @@ from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError, MachineError
 from ltcgear.generated.writing import check_output
 
-from ..progress import progress
-from ..terminal import tell
+from ..results.terminal import tell
+from .progress import progress
 
 if TYPE_CHECKING:
     from ltcgear.symbolic.model import Model
     from ltcgear.symbolic.scene import Source
     from ltcgear.symbolic.schema import Scene
 
-    from ..cost import Variant
-    from ..library import Library
+    from ..export.plain_c.data import Run
     from ..linear.modes import Mode
     from ..linear.system import Linear
-    from ..plain.data import Run
+    from ..model.library import Library
+    from ..studies.cost import Variant
 
 
 @dataclass
@@ -85,7 +85,7 @@ def open_scene(
 
 def compile_model(opened: Opened) -> "Library":
     """Compile and load a generated model; without a compiler this is said in one line."""
-    from ..library import NO_COMPILER, build
+    from ..model.library import NO_COMPILER, build
 
     clock = perf_counter()
     library = build(opened.artifact)
@@ -97,14 +97,14 @@ def compile_model(opened: Opened) -> "Library":
 
 def read_run(opened: Opened, library: "Library") -> "Run":
     """Return what a scene simulates, in numbers."""
-    from ..plain.data import Run
+    from ..export.plain_c.data import Run
 
     return Run(opened.model.values(), opened.model.tables, opened.scene.simulation.t_end, rate_of(opened, library))
 
 
 def rate_of(opened: Opened, library: "Library") -> float:
     """Return the sampling rate [Hz] that a scene gives, or that is chosen for it."""
-    from ..rates import find_rate
+    from ..simulate.sampling_rate import find_rate
 
     return find_rate(library, opened.model.values(), opened.model.tables, opened.scene.simulation.rate).rate
 
@@ -116,8 +116,8 @@ FEW = 40
 
 def linearise_model(library: "Library", model: "Model", turn: float | None = None) -> "Linear":
     """Find the equilibrium of a model and linearise it there."""
-    from ..equilibrium import find_equilibrium
     from ..linear.system import linearise
+    from ..model.equilibrium import find_equilibrium
 
     p = library.parameters(model.values())
     return linearise(library, p, find_equilibrium(library, p, tables=model.tables), turn)
@@ -144,9 +144,9 @@ def restore_modes(scene_json: str, wanted: bool = True) -> Restored:
     from ltcgear.symbolic.pipeline import obtain
     from ltcgear.symbolic.scene import restore_scene
 
-    from ..library import build
     from ..linear.modes import find_modes
     from ..linear.naming import describe_modes
+    from ..model.library import build
 
     if not scene_json:
         return Restored(why="the file holds no scene")
@@ -172,8 +172,8 @@ def open_variants(changes: dict[str, str], opened: Opened) -> "list[Variant]":
     from ltcgear.symbolic.scene import load_scene
     from ltcgear.symbolic.variants import list_changes
 
-    from ..cost import Variant
-    from ..library import build
+    from ..model.library import build
+    from ..studies.cost import Variant
 
     found = list_changes(opened.scene, opened.model)
     variants = [Variant("all", "", "", compile_model(opened), opened.model.values(), tables=opened.model.tables)]

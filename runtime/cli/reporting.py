@@ -7,16 +7,16 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import check_output
 
-from .. import present
-from ..options import AsJson, Force, ResultPath
-from ..results import load as load_result
-from ..terminal import say
+from ..results.result import load as load_result
+from ..results.terminal import say
+from ..view.tables import printed
 from .app import app
 from .opening import restore_modes
+from .options import AsJson, Force, ResultPath
 
 if TYPE_CHECKING:
-    from ..report.page import Background
-    from ..results import Result
+    from ..results.result import Result
+    from ..view.report.page import Background
 
 PageFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Page to write, .html.", show_default="beside the result")
@@ -38,7 +38,7 @@ def report(
     as_json: AsJson = False,
 ) -> None:
     """Write a result as one page of HTML: stages in motion, figures, tables, the scene. It needs no network."""
-    from ..report.page import check_templates, write_report
+    from ..view.report.page import check_templates, write_report
 
     target = file.with_name(f"{file.stem}.html") if output is None and file.name else output or file
     check_output(target, file)
@@ -48,12 +48,12 @@ def report(
     result = load_result(file)
     write_report(result, target, find_background(result, modes), at)
     data = {"result": str(file), "file": str(target), "bytes": target.stat().st_size}
-    present.show(as_json, data, lambda shown: say(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))
+    printed.show(as_json, data, lambda shown: say(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))
 
 
 def find_background(result: "Result", modes: bool) -> "Background":
     """Return sources and modes of the scene that a result holds; what cannot be had is left out, with the reason."""
-    from ..report.page import Background
+    from ..view.report.page import Background
 
     found = restore_modes(str(result.dataset.attrs.get("scene_json", "")), modes)
     return Background(found.sources, found.linear, found.modes, found.why + ".")

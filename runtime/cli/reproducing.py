@@ -8,17 +8,17 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import is_forced, make_folder
 
-from .. import present
-from ..options import SHORTEST_PAPER, AsJson, Changes, Force, Method, PaperEnd, ResultFolder
+from ..view.tables import printed
 from . import running
 from .app import app
 from .linear import open_linear
 from .opening import compile_model, open_scene, split_changes
+from .options import SHORTEST_PAPER, AsJson, Changes, Force, Method, PaperEnd, ResultFolder
 
 if TYPE_CHECKING:
     from ..linear.modes import Mode
     from ..linear.system import Linear
-    from ..results import Result
+    from ..results.result import Result
 
 Quick = Annotated[
     bool, typer.Option("--quick", help="The rig as assumed only: tables and figures, no page and no fitted rig.")
@@ -39,11 +39,11 @@ def paper(
     as_json: AsJson = False,
 ) -> None:
     """Reproduce the paper: its tables and figures beside the simulated ones, on one page (paper.html)."""
-    from ..comparison import compare
-    from ..paper.page import check_page
-    from ..plots import overview_figure, paper_figures
-    from ..results import load
-    from ..simulation import check_options
+    from ..results.result import load
+    from ..simulate.simulation import check_options
+    from ..studies.wu2021.comparison import compare
+    from ..view.plots import overview_figure, paper_figures
+    from ..view.wu2021.paper_page import check_page
 
     if not t_end >= SHORTEST_PAPER:
         raise LtcgearError(f"--t-end {t_end:g}: the paper's tables need {SHORTEST_PAPER} s at least")
@@ -68,20 +68,20 @@ def paper(
         "tables": {name: table.to_json() for name, table in tables.items()},
         "files": [*(str(output / f"{scene}.nc") for scene in rigs.values()), *map(str, [*figures, *pages])],
     }
-    present.show(as_json, data, lambda shown: present.paper_run(shown, tables))
+    printed.show(as_json, data, lambda shown: printed.paper_run(shown, tables))
 
 
 def _is_begun(file: Path) -> bool:
     """Say whether a run was stopped or killed that the same command goes on with."""
-    from ..checkpoint import checkpoint_of
-    from ..part import part_of
+    from ..results.checkpoint import checkpoint_of
+    from ..results.row_file import part_of
 
     return part_of(file).is_file() and checkpoint_of(file).is_file() and not is_forced()
 
 
 def _write_page(results: Mapping[str, "Result"], changes: list[str] | None, path: Path) -> Path:
     """Compute what the page shows beside the long runs, and write it."""
-    from ..paper.page import Material, write_page
+    from ..view.wu2021.paper_page import Material, write_page
 
     linears = {rig: _linear(scene, changes) for rig, scene in RIGS.items()}
     material = Material(
@@ -136,7 +136,7 @@ def _shares(scene: str) -> list[float]:
 
 def _simulate(scene: str, changes: list[str] | None, t_end: float) -> "Result":
     """Simulate a scene in memory."""
-    from ..simulation import simulate
+    from ..simulate.simulation import simulate
 
     opened = open_scene(scene, changes)
     result = simulate(

@@ -6,8 +6,11 @@ from typing import Any
 import typer
 from ltcgear.generated.errors import LtcgearError, SolverError
 
-from .. import present
-from ..options import (
+from ..view.tables import printed
+from .app import InterruptedRunError, app
+from .measuring import check_accuracy, find_setting
+from .opening import compile_model, open_scene, open_variants, rate_of, split_changes
+from .options import (
     Accuracy,
     AsJson,
     Changes,
@@ -25,10 +28,7 @@ from ..options import (
     Tolerance,
     Verify,
 )
-from ..progress import progress
-from .app import InterruptedRunError, app
-from .measuring import check_accuracy, find_setting
-from .opening import compile_model, open_scene, open_variants, rate_of, split_changes
+from .progress import progress
 
 
 @app.command()
@@ -54,7 +54,7 @@ def simulate(
     given = [f"--{name}" for name, source in sources.items() if source and source.name == "COMMANDLINE"]
     check_accuracy(accuracy, record, given)
     summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record, long)
-    present.show(as_json, summary, present.simulated)
+    printed.show(as_json, summary, printed.simulated)
     finished(summary)
 
 
@@ -67,7 +67,7 @@ def finished(summary: dict[str, Any]) -> None:
 
 def _check_result(output: Path | None, resume: bool, *sources: Path | str | None) -> None:
     """Refuse a result file that cannot be written or gone on with, before anything is computed."""
-    from ..recording import check_recordable
+    from ..simulate.recording import check_recordable
 
     if output is not None:
         check_recordable(output, resume, *sources)
@@ -90,9 +90,9 @@ def run(
     long: bool = False,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
-    from ..recording import record
-    from ..simulation import check_options
-    from ..simulation import simulate as simulate_model
+    from ..simulate.recording import record
+    from ..simulate.simulation import check_options
+    from ..simulate.simulation import simulate as simulate_model
 
     check_options(method, rtol, t_end)
     _check_result(output, resume, scene, record_file)
@@ -139,9 +139,9 @@ def cost(
     as_json: AsJson = False,
 ) -> None:
     """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
-    from ..cost import ROUNDS, measure_costs
-    from ..cost_figure import check_figure, draw_costs
-    from ..simulation import check_options
+    from ..simulate.simulation import check_options
+    from ..studies.cost import ROUNDS, measure_costs
+    from ..view.figures.cost_figures import check_figure, draw_costs
 
     check_options("erk", rtol, t_end)
     if output is not None:
@@ -152,6 +152,6 @@ def cost(
     with progress(f"simulate {opened.scene.name}", ROUNDS * len(variants) * t_end) as told:
         rows = measure_costs(variants, t_end=t_end, rate=rate, rtol=rtol, told=told)
     data = {"scene": opened.scene.name, "t_end": t_end, "rtol": rtol, "variants": rows}
-    present.show(as_json, data, present.costs)
+    printed.show(as_json, data, printed.costs)
     if output is not None:
         draw_costs(data, output)

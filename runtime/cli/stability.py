@@ -5,11 +5,11 @@ from typing import Annotated
 
 import typer
 
-from .. import present
-from ..options import AsJson, Changes, Force, SceneName
-from ..progress import progress
+from ..view.tables import printed
 from .app import app
 from .opening import Opened, compile_model, open_scene
+from .options import AsJson, Changes, Force, SceneName
+from .progress import progress
 
 MeshName = Annotated[
     str | None,
@@ -38,8 +38,8 @@ def stability(
     output: StabilityFile = None, changes: Changes = None, force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell whether small motions grow under the varying mesh stiffness: Floquet multipliers, stability chart."""
-    from ..linear.chart_figure import check_file
-    from ..linear.ranges import read_range
+    from ..view.figures.stability_figures import check_file
+    from .number_ranges import read_range
 
     speeds = read_range("--speed", speed or "0", "100:600:60", single=True)
     variations = read_range("--variation", variation or "1", "0:2:40", single=True)
@@ -50,9 +50,9 @@ def stability(
         _show_multipliers(opened, mesh, float(speeds[0]) if speed else None, float(variations[0]), output, as_json)
         return
     from ..linear.chart import RPM, draw_up
-    from ..linear.chart_figure import write_chart
     from ..linear.periodic import reference_speed
-    from ..present_stability import describe_chart, tabulate_chart
+    from ..view.figures.stability_figures import write_chart
+    from ..view.tables.stability_printed import describe_chart, tabulate_chart
 
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
@@ -62,7 +62,7 @@ def stability(
     title = f"{opened.scene.name}: parametric stability, stiffness of {mesh or 'all meshes'} varying"
     files = [] if output is None else [write_chart(chart, title, output)]
     data = describe_chart(opened.scene.name, chart)
-    present.show(as_json, data, lambda shown: present.listed(tabulate_chart(shown), files))
+    printed.show(as_json, data, lambda shown: printed.listed(tabulate_chart(shown), files))
 
 
 def _show_multipliers(
@@ -70,10 +70,10 @@ def _show_multipliers(
 ) -> None:
     """Find the multipliers at one speed and one variation."""
     from ..linear.chart import RPM
-    from ..linear.chart_figure import write_multipliers
     from ..linear.floquet import find_multipliers
     from ..linear.periodic import reference_speed, vary
-    from ..present_stability import describe_multipliers, tabulate_multipliers
+    from ..view.figures.stability_figures import write_multipliers
+    from ..view.tables.stability_printed import describe_multipliers, tabulate_multipliers
 
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
@@ -86,4 +86,4 @@ def _show_multipliers(
     title = f"{opened.scene.name}: Floquet multipliers at {speed / RPM:.5g} rpm, variation {variation:g}"
     files = [] if output is None else [write_multipliers(found, title, output)]
     data = {**describe_multipliers(opened.scene.name, found, speed), "variation": variation}
-    present.show(as_json, data, lambda shown: present.listed(tabulate_multipliers(shown), files))
+    printed.show(as_json, data, lambda shown: printed.listed(tabulate_multipliers(shown), files))

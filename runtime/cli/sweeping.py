@@ -9,17 +9,17 @@ import typer
 from ltcgear.generated.errors import SolverError
 from ltcgear.generated.writing import check_output, make_folder
 
-from .. import present
-from ..options import AsJson, Changes, EndTime, Force, Long, Method, Raw, SceneName, Tolerance
-from ..progress import progress
-from ..terminal import tell
+from ..results.terminal import tell
+from ..view.tables import printed
 from .app import InterruptedRunError, app
 from .opening import split_changes
+from .options import AsJson, Changes, EndTime, Force, Long, Method, Raw, SceneName, Tolerance
+from .progress import progress
 
 if TYPE_CHECKING:
     from ltcgear.symbolic.template import Template
 
-    from ..sweeping.planning import Told
+    from ..studies.sweep.planning import Told
 
 Vary = Annotated[
     list[str],
@@ -80,8 +80,8 @@ def sweep(
     """Simulate a scene at many points, and keep metrics of each. Run again, it goes on where it was stopped."""
     from ltcgear.symbolic.template import Template
 
-    from ..sweeping.run import sweep as sweep_scene
-    from ..sweeping.run import tell_kept
+    from ..studies.sweep.run_sweep import sweep as sweep_scene
+    from ..studies.sweep.run_sweep import tell_kept
 
     check_output(output, scene)
     template = Template(scene, split_changes(changes))
@@ -98,7 +98,7 @@ def sweep(
         raise InterruptedRunError(f"stopped; {tell_kept(output)}") from None
     if figures is not None:
         summary["figures"] = _draw(output, figures)
-    present.show(as_json, summary, _present)
+    printed.show(as_json, summary, _present)
     if summary["failed"] == summary["points"]:
         raise SolverError(f"all {summary['points']} points failed; {output} has the reasons")
 
@@ -137,9 +137,9 @@ def _bars(scene: str) -> Iterator["Told"]:
 
 def _draw(file: Path, folder: Path) -> list[str]:
     """Draw a sweep into a folder; return the files."""
-    from ..plots import save_figure
-    from ..sweeping.figures import draw_sweep
-    from ..sweeping.store import load_sweep
+    from ..studies.sweep.sweep_file import load_sweep
+    from ..view.figures.sweep_figures import draw_sweep
+    from ..view.plots import save_figure
 
     files = []
     for name, figure in draw_sweep(load_sweep(file)).items():
@@ -150,11 +150,11 @@ def _draw(file: Path, folder: Path) -> list[str]:
 
 def _present(summary: dict[str, Any]) -> None:
     """Print a sweep for people."""
-    from ..sweeping.listing import list_tables
-    from ..sweeping.store import load_sweep
+    from ..studies.sweep.sweep_file import load_sweep
+    from ..view.tables.sweep_tables import list_tables
 
     figures = [Path(file) for file in summary.get("figures", [])]
-    present.listed(list_tables(load_sweep(Path(summary["file"]))), figures)
+    printed.listed(list_tables(load_sweep(Path(summary["file"]))), figures)
     for note in summary["notes"]:
         print(note)
     for word, told in (("failed", summary["reasons"]), ("warned", summary["warnings"])):

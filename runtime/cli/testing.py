@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 from ltcgear.generated.errors import LtcgearError
 
-from .. import present
-from ..options import AsJson, FigureFile, Force
-from ..progress import progress
+from ..view.tables import printed
 from .app import app
+from .options import AsJson, FigureFile, Force
+from .progress import progress
 
 if TYPE_CHECKING:
-    from ..hard.case import Bench
+    from ..studies.selftest.case import Bench
 
 Full = Annotated[bool, typer.Option("--full", help="The long form: longer runs, some minutes.")]
 CaseNames = Annotated[
@@ -38,8 +38,8 @@ def _bench(name: str, changes: tuple[tuple[str, str], ...]) -> "Bench":
     from ltcgear.symbolic.pipeline import obtain
     from ltcgear.symbolic.scene import load_scene
 
-    from ..hard.case import Bench
-    from ..library import build
+    from ..model.library import build
+    from ..studies.selftest.case import Bench
 
     model = build_model(load_scene(name, dict(changes)))
     return Bench(build(obtain(model)), model.values(), model.tables)
@@ -61,11 +61,11 @@ def selftest(
     force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Run the hard cases with every method. Exit code 1 if anything is wrong. With -o, draw the matrix."""
-    from ..cost_figure import check_figure
-    from ..hard.cases import CASES
-    from ..hard.matrix import draw_matrix, make_table
-    from ..hard.suite import run_suite
-    from ..stepper import METHODS
+    from ..simulate.methods.segment_methods import METHODS
+    from ..studies.selftest.cases import CASES
+    from ..studies.selftest.suite import run_suite
+    from ..view.figures.cost_figures import check_figure
+    from ..view.tables.selftest_tables import draw_matrix, make_table
 
     names = choose(case, [item.name for item in CASES], "case")
     methods = choose(method, list(METHODS), "method")
@@ -76,7 +76,7 @@ def selftest(
     workers = min(len(os.sched_getaffinity(0)), total)
     with progress("selftest", total, "runs") as told:
         data = run_suite(chosen, methods, open_bench, full=full, workers=workers, told=told)
-    present.show(as_json, data, lambda shown: make_table(shown).print())
+    printed.show(as_json, data, lambda shown: make_table(shown).print())
     if output is not None:
         draw_matrix(data, output)
     if not data["passed"]:

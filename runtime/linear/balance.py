@@ -6,9 +6,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equilibrium import LOOSE, ROUNDING, Equilibrium, inertias, settled, start_state, state_matrix, unit_scale
-from ..kernel import Kernel
-from ..library import Library
+from ..model.equilibrium import LOOSE, ROUNDING, Equilibrium, inertias, settled, start_state, state_matrix, unit_scale
+from ..model.function import Kernel
+from ..model.library import Library
 from .gradients import Gradients
 
 Vector = NDArray[np.float64]

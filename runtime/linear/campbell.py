@@ -7,10 +7,10 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
-from ..clocks import TURN
-from ..equilibrium import find_equilibrium
-from ..library import Library
-from ..signals import Pairs
+from ..model.equilibrium import find_equilibrium
+from ..model.library import Library
+from ..model.load_tables import Pairs
+from ..model.phase_wrapping import TURN
 from .modes import Mode, find_modes
 from .system import Linear, linearise
 from .tracking import track

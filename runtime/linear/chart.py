@@ -7,7 +7,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from ..library import Library
+from ..model.library import Library
 from .floquet import MARGIN, find_monodromies, settle
 from .periodic import Periodic, reference_speed, vary
 from .tongues import Tongue, find_tongues, strongest_first

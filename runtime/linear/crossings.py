@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-from ..rounding import SHARE
-from ..statistics import group_of, stage_of
-from ..ties import order_by_size
+from ..model.ties import order_by_size
+from ..results.rounding import SHARE
+from ..results.statistics import group_of, stage_of
 from .campbell import LOAD, SPEED, Campbell
 from .excitation import find_harmonics
 from .inputs import MeshPath, find_paths

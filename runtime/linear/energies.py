@@ -6,8 +6,8 @@ from ltcgear.generated.contract import BACK, Manifest
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from ..kernel import Kernel
-from ..ties import largest_first
+from ..model.function import Kernel
+from ..model.ties import largest_first
 from .system import Linear
 
 Complex = NDArray[np.complex128]

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..clocks import TURN
-from ..kernel import Kernel
-from ..statistics import stage_of
-from ..switching import Phases
+from ..model.contact_levels import Phases
+from ..model.function import Kernel
+from ..model.phase_wrapping import TURN
+from ..results.statistics import stage_of
 from .orders import mesh_advances
 from .system import Linear
 

@@ -6,8 +6,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ..kernel import Kernel
-from ..library import Library
+from ..model.function import Kernel
+from ..model.library import Library
 
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ties import largest_first
+from ..model.ties import largest_first
 from .eigen import Eigen, solve_eigen
 from .system import Linear, Motions
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..ends import HOUSING, label, list_ends, whole
-from ..ties import largest_first
+from ..model.ties import largest_first
+from ..model.topology import HOUSING, label, list_ends, whole
 from .energies import Energies, family
 from .modes import SHARE, Mode
 from .system import Linear

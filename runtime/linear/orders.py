@@ -8,8 +8,8 @@ import numpy as np
 from ltcgear.generated.contract import Manifest
 from numpy.typing import NDArray
 
-from ..clocks import TURN, Clocks
-from ..statistics import stage_of
+from ..model.phase_wrapping import TURN, Clocks
+from ..results.statistics import stage_of
 
 Vector = NDArray[np.float64]
 SIDES = (-1, 1)

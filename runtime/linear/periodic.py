@@ -13,10 +13,10 @@ from ltcgear.generated.contract import Clock
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from ..clocks import Clocks
-from ..equilibrium import Equilibrium, find_equilibrium
-from ..kernel import Kernel
-from ..library import Library
+from ..model.equilibrium import Equilibrium, find_equilibrium
+from ..model.function import Kernel
+from ..model.library import Library
+from ..model.phase_wrapping import Clocks
 from .system import Linear, linearise
 
 Vector = NDArray[np.float64]

@@ -14,7 +14,7 @@ from scipy.signal import find_peaks as find_maxima
 from scipy.sparse import csc_array, diags_array, eye_array
 from scipy.sparse.linalg import splu
 
-from ..ties import order_by_size
+from ..model.ties import order_by_size
 from .inputs import TorqueInput, find_input
 from .modes import Mode
 from .system import Linear

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..equilibrium import Equilibrium
+from ..model.equilibrium import Equilibrium
 from .balance import Balance
 from .gradients import Gradients
 from .modes import Mode

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..sheet import Sheet
+from ..model.layout import Sheet
 from .modes import Mode
 from .system import Linear
 

@@ -9,12 +9,12 @@ from ltcgear.generated.contract import State
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from ..clocks import TURN
-from ..equilibrium import Equilibrium, settled
-from ..kernel import Kernel
-from ..library import Library
-from ..scaling import vibration_scale
-from ..switching import Phases, cells_of, levels_of
+from ..model.contact_levels import Phases, cells_of, levels_of
+from ..model.equilibrium import Equilibrium, settled
+from ..model.function import Kernel
+from ..model.library import Library
+from ..model.phase_wrapping import TURN
+from ..model.vibration_scale import vibration_scale
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]

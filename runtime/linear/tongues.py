@@ -22,7 +22,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from ..ties import order_by_size
+from ..model.ties import order_by_size
 from .periodic import Periodic
 from .resonance_names import Oscillation, Resonance, combine, list_oscillations
 

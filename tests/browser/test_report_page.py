@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from ltcgear.runtime import load
 from ltcgear.runtime.cli import reporting
-from ltcgear.runtime.report.page import write_report
+from ltcgear.runtime.view.report.page import write_report
 
 from reports import simulate_into
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from ltcgear.generated import store
-from ltcgear.runtime.plain.kit import write_kit
+from ltcgear.runtime.export.plain_c.kit import write_kit
 
 from regenerate import COMMITTED, HOME, computed, fixed, keep, same, texts
 

@@ -12,7 +12,7 @@ import pytest
 from ltcgear.generated import drafts, store
 from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import CompileError, MachineError
-from ltcgear.runtime.fmu import binary
+from ltcgear.runtime.export.fmu import binary
 
 C = "double answer(void) { return 42.0; }\n"
 

@@ -372,7 +372,7 @@ def test_a_folder_for_libraries_that_cannot_be_made_is_told(home, compiler):
 
 
 def test_a_model_is_compiled_once(home, runs):
-    from ltcgear.runtime.library import build
+    from ltcgear.runtime.model.library import build
     from ltcgear.symbolic.build import build_model
     from ltcgear.symbolic.pipeline import generate
     from ltcgear.symbolic.scene import make_scene

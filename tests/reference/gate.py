@@ -7,10 +7,10 @@ import json
 from pathlib import Path
 
 from ltcgear.runtime.cli.testing import open_bench
-from ltcgear.runtime.precision.errors import value_of
-from ltcgear.runtime.precision.patience import Patience
-from ltcgear.runtime.precision.reference import find_reference
-from ltcgear.runtime.precision.sweep import Sweep
+from ltcgear.runtime.studies.accuracy.patience import Patience
+from ltcgear.runtime.studies.accuracy.reference import find_reference
+from ltcgear.runtime.studies.accuracy.run_errors import value_of
+from ltcgear.runtime.studies.accuracy.sweep import Sweep
 
 FILE = Path(__file__).with_name("gate.json")
 SCENE, T_END, RATE = "rig-2mw", 0.01, 8192.0

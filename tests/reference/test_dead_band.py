@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.hard import dead_band as case
+from ltcgear.runtime.studies.selftest import dead_band as case
 
 from .dead_band import DeadBand, Sweep, amplitudes
 

@@ -3,7 +3,7 @@
 import re
 
 import numpy as np
-from ltcgear.runtime.native import source
+from ltcgear.runtime.model.cstruct import source
 
 
 def array(name):

@@ -3,7 +3,7 @@
 import ctypes
 
 import numpy as np
-from ltcgear.runtime.native import engine
+from ltcgear.runtime.model.cstruct import engine
 
 
 def _pointer(array):

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from ltcgear.generated import folders, store
-from ltcgear.runtime.plain.data import Run, write_data
-from ltcgear.runtime.plain.kit import write_kit
+from ltcgear.runtime.export.plain_c.data import Run, write_data
+from ltcgear.runtime.export.plain_c.kit import write_kit
 
 from .models import Case
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ltcgear.runtime import build, simulate, write_fmu
-from ltcgear.runtime.library import Library
+from ltcgear.runtime.model.library import Library
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

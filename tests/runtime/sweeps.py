@@ -4,9 +4,9 @@ import json
 
 import numpy as np
 import xarray as xr
-from ltcgear.runtime.simulation import simulate
-from ltcgear.runtime.sweeping.design import Design
-from ltcgear.runtime.sweeping.metrics import measure
+from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.studies.sweep.design import Design
+from ltcgear.runtime.studies.sweep.metrics import measure
 
 from .models import make_case, raw_scene
 

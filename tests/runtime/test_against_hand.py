@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.kernel import Kernel
+from ltcgear.runtime.model.function import Kernel
 
 from .hand_model import HandModel
 from .hand_newton import kinetic, newton

@@ -23,14 +23,14 @@ from ltcgear.runtime.analysis import (
     select_output,
     shaft_angle,
 )
-from ltcgear.runtime.analysis.drawing import pool, scale_of, thin
 from ltcgear.runtime.analysis.lines import Clues
 from ltcgear.runtime.analysis.survey import Options
 from ltcgear.runtime.cli import opening
 from ltcgear.runtime.cli.opening import restore_modes
 from ltcgear.runtime.cli.reporting import find_background
-from ltcgear.runtime.plots import save_figure
-from ltcgear.runtime.simulation import simulate
+from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.view.figures.drawing import pool, scale_of, thin
+from ltcgear.runtime.view.plots import save_figure
 
 from .models import case
 from .outputs import band_limited

@@ -20,9 +20,9 @@ from ltcgear.runtime.analysis import (
 from ltcgear.runtime.analysis.decay import decays_as
 from ltcgear.runtime.analysis.envelope import choose_band
 from ltcgear.runtime.analysis.lines import Clues
-from ltcgear.runtime.analysis.orders import choose_shaft
+from ltcgear.runtime.analysis.order_spectrum import choose_shaft
 from ltcgear.runtime.linear.modes import Mode
-from ltcgear.runtime.spectra import WINDOWS, explain_line, noise_bandwidth
+from ltcgear.runtime.results.amplitude_spectrum import WINDOWS, explain_line, noise_bandwidth
 
 from .outputs import output, result, times
 from .synthetic import FREE, HSP, LSP, PSH, STEADY, make_dataset

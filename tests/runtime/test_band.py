@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.band import ATTENUATION, BAND, FINE, REACH, BandFilter, filter_table, response
-from ltcgear.runtime.quadrature import FILTERED, MOST, MOTION, lobatto_rules
-from ltcgear.runtime.spectra import amplitude_spectrum, strongest_lines
+from ltcgear.runtime.results.amplitude_spectrum import amplitude_spectrum, strongest_lines
+from ltcgear.runtime.simulate.low_pass import ATTENUATION, BAND, FINE, REACH, BandFilter, filter_table, response
+from ltcgear.runtime.simulate.quadrature import FILTERED, MOST, MOTION, lobatto_rules
 from scipy.signal import firwin, freqz, kaiser_beta
 
 RATE = 8192.0

@@ -5,9 +5,9 @@ from threading import Barrier, Thread
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime import blas
-from ltcgear.runtime.blas import SingleThreaded
-from ltcgear.runtime.simulation import simulate
+from ltcgear.runtime.model import blas
+from ltcgear.runtime.model.blas import SingleThreaded
+from ltcgear.runtime.simulate.simulation import simulate
 
 from .models import case
 

@@ -11,9 +11,9 @@ import pytest
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError, LtcgearError
 from ltcgear.runtime import Dynamics, build
-from ltcgear.runtime.batch import Batch, over_time
-from ltcgear.runtime.clocks import Clocks
-from ltcgear.runtime.kernel import Kernel
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.phase_wrapping import Clocks
+from ltcgear.runtime.model.rows import Batch, over_time
 from ltcgear.symbolic.pipeline import generate
 from scipy.integrate import solve_ivp
 from sksundae.cvode import CVODE

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime.cli.number_ranges import read_range
 from ltcgear.runtime.linear.campbell import sweep_load, sweep_speed
 from ltcgear.runtime.linear.crossings import find_crossings
 from ltcgear.runtime.linear.excitation import find_harmonics
 from ltcgear.runtime.linear.inputs import find_paths
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.orders import list_orders, list_sides, phases_of
-from ltcgear.runtime.linear.ranges import read_range
 from ltcgear.runtime.linear.response import propagate, respond
 from ltcgear.runtime.linear.system import linearise
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.choice import (
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.simulate.choose_method import (
     GROWTH,
     SEGMENT,
     TIMES,
@@ -12,9 +13,8 @@ from ltcgear.runtime.choice import (
     stability_rate,
     step_operations,
 )
-from ltcgear.runtime.duty import list_duty
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.simulation import simulate
+from ltcgear.runtime.simulate.duty import list_duty
+from ltcgear.runtime.simulate.simulation import simulate
 
 from . import butcher, exact
 from .models import case

@@ -5,13 +5,13 @@ from math import atan, hypot, pi, sqrt
 import numpy as np
 import pytest
 from ltcgear.generated.errors import SceneError, SolverError
-from ltcgear.runtime.batch import over_time
-from ltcgear.runtime.continuation import follow
-from ltcgear.runtime.energy import energy_residual
-from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium
-from ltcgear.runtime.library import build
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.model.continuation import follow
+from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.simulate.energy_balance import energy_residual
 from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model

@@ -5,8 +5,8 @@ from math import floor, lcm
 
 import numpy as np
 import pytest
-from ltcgear.runtime.clocks import TURN, Clocks, rational
-from ltcgear.runtime.quantities import PHASES
+from ltcgear.runtime.model.phase_wrapping import TURN, Clocks, rational
+from ltcgear.runtime.model.quantity_names import PHASES
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.emit import emit, functions
 from ltcgear.symbolic.equations import derive

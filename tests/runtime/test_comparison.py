@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 from ltcgear.runtime.analysis.lines import find_clues
-from ltcgear.runtime.comparison import compare, position_spectrum, published
-from ltcgear.runtime.statistics import window
-from ltcgear.runtime.tables import Table
+from ltcgear.runtime.results.statistics import window
+from ltcgear.runtime.results.table import Table
+from ltcgear.runtime.studies.wu2021.comparison import compare, position_spectrum, published
 from rich.console import Console
 
 from .synthetic import ALPHA, HSP, PSH, SPEEDS, STEADY, make_dataset

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from ltcgear.generated.errors import LtcgearError, SolverError
-from ltcgear.runtime.cost import MEASURES, Variant, compare_forces, measure_costs, mesh_orders
-from ltcgear.runtime.cost_figure import check_figure, draw_costs
+from ltcgear.runtime.studies.cost import MEASURES, Variant, compare_forces, measure_costs, mesh_orders
+from ltcgear.runtime.view.figures.cost_figures import check_figure, draw_costs
 
 from .models import case
 
@@ -123,7 +123,7 @@ def test_rows_hold_cost_and_benefit(rows):
 
 
 def test_a_run_that_fails_is_a_row_with_its_reason(monkeypatch):
-    from ltcgear.runtime import cost
+    from ltcgear.runtime.studies import cost
 
     whole = cost.simulate
 

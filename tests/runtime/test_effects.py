@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 from ltcgear.generated import store
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import build
-from ltcgear.runtime.scaling import fastest, vibration_scale
-from ltcgear.runtime.simulation import simulate
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.vibration_scale import fastest, vibration_scale
+from ltcgear.runtime.simulate.simulation import simulate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.effects import DEFAULTS
 from ltcgear.symbolic.pipeline import obtain

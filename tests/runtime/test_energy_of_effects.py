@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ltcgear.runtime.energy import energy_residual
-from ltcgear.runtime.equilibrium import _newton
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.model.equilibrium import _newton
+from ltcgear.runtime.simulate.energy_balance import energy_residual
 
 from reference.hand_profiles import smooth_levels
 

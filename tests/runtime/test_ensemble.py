@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError, LtcgearError
-from ltcgear.runtime import ensemble, simulate_many
-from ltcgear.runtime.batch import Batch, over_time
-from ltcgear.runtime.clocks import TURN, Clocks
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import build
-from ltcgear.runtime.reading import outputs_of
-from ltcgear.runtime.simulation import Run, simulate
+from ltcgear.runtime import simulate_many
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
+from ltcgear.runtime.model.rows import Batch, over_time
+from ltcgear.runtime.simulate import ensemble
+from ltcgear.runtime.simulate.output_reader import outputs_of
+from ltcgear.runtime.simulate.simulation import Run, simulate
 
 from .models import case
 from .test_long_runs import QUICK

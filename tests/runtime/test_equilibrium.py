@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import SolverError
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.kernel import Kernel
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.function import Kernel
 
 from .hand_gearing import contact_ratio
 from .models import MESHES, TORQUE_DRIVEN, Case, case, make_case

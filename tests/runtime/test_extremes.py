@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.arcs import Arc
-from ltcgear.runtime.batch import over_time
-from ltcgear.runtime.march import March
-from ltcgear.runtime.signals import Signals
+from ltcgear.runtime.model.load_tables import Signals
+from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.simulate.driver import March
+from ltcgear.runtime.simulate.smooth_arc import Arc
 
 from .models import case
 

@@ -6,11 +6,11 @@ from math import pi
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError, SolverError
-from ltcgear.runtime.exact import Exact
-from ltcgear.runtime.integration import integrate
 from ltcgear.runtime.linear.chart import RPM, draw_up
 from ltcgear.runtime.linear.floquet import find_monodromies, find_multipliers, settle
 from ltcgear.runtime.linear.periodic import vary
+from ltcgear.runtime.simulate.integration import integrate
+from ltcgear.runtime.simulate.matrix_exponential import Exact
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b

@@ -4,8 +4,8 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
-from ltcgear.runtime.fmu.names import structure
-from ltcgear.runtime.kernel import Kernel
+from ltcgear.runtime.export.fmu.names import structure
+from ltcgear.runtime.model.function import Kernel
 
 from .instances import FORCES, STEP, set_states
 from .rattling import SAMPLES, SPEED, T_END, TORQUE, steer

@@ -9,8 +9,8 @@ from pathlib import Path
 import fmpy
 import pytest
 from fmpy.validation import validate_fmu
-from ltcgear.runtime.fmu.names import identify, structure
-from ltcgear.runtime.fmu.units import exponents
+from ltcgear.runtime.export.fmu.fmi_units import exponents
+from ltcgear.runtime.export.fmu.names import identify, structure
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 NATIVE = Path(__file__).parents[2] / "runtime" / "native" / "plain"

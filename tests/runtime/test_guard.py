@@ -4,11 +4,11 @@ from time import perf_counter
 
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime import guard
-from ltcgear.runtime.ensemble import simulate_many
-from ltcgear.runtime.recording import record
-from ltcgear.runtime.simulation import AUTO, simulate
-from ltcgear.runtime.stepper import METHODS, OPTIONAL
+from ltcgear.runtime.simulate import method_limits
+from ltcgear.runtime.simulate.ensemble import simulate_many
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS, OPTIONAL
+from ltcgear.runtime.simulate.recording import record
+from ltcgear.runtime.simulate.simulation import AUTO, simulate
 
 from .models import case
 
@@ -72,7 +72,7 @@ def test_a_long_run_is_told_and_begun_if_it_is_asked_for(method):
 
 def test_rows_samples_and_turns_count(monkeypatch):
     c = case("hard-dead-band")
-    monkeypatch.setattr(guard, "LONGEST", 1.0)
+    monkeypatch.setattr(method_limits, "LONGEST", 1.0)
     name = "loads.output.torque_over_time"
     rows = [(i * 1e-4, 70.0 + i % 2) for i in range(20_000)]
     tables = dict(c.model.tables) | {name: rows}
@@ -83,7 +83,7 @@ def test_rows_samples_and_turns_count(monkeypatch):
 
 
 def test_the_command_refuses_and_begins_what_it_says(run, refused, monkeypatch):
-    monkeypatch.setattr(guard, "LONGEST", 1e-4)
+    monkeypatch.setattr(method_limits, "LONGEST", 1e-4)
     told = refused("simulate", "psh", "--t-end", "0.01")
     assert "--long, or long=True in Python, begins it all the same" in told
     code, out, _ = run("simulate", "psh", "--t-end", "0.01", "--long")

@@ -9,13 +9,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError, MachineError
-from ltcgear.runtime import cli, native
+from ltcgear.runtime.cli import commands
 from ltcgear.runtime.cli.testing import open_bench
-from ltcgear.runtime.hard import case as bench_module
-from ltcgear.runtime.hard import cases as all_cases
-from ltcgear.runtime.hard.case import Finding, HardCase
-from ltcgear.runtime.hard.matrix import draw_matrix, make_table
-from ltcgear.runtime.hard.suite import outcome_of, run_case, run_suite, with_slow
+from ltcgear.runtime.model import cstruct
+from ltcgear.runtime.studies.selftest import case as bench_module
+from ltcgear.runtime.studies.selftest import cases as all_cases
+from ltcgear.runtime.studies.selftest.case import Finding, HardCase
+from ltcgear.runtime.studies.selftest.suite import outcome_of, run_case, run_suite, with_slow
+from ltcgear.runtime.view.tables.selftest_tables import draw_matrix, make_table
 
 CASES = {case.name: case for case in all_cases.CASES}
 
@@ -25,13 +26,13 @@ CASES = {case.name: case for case in all_cases.CASES}
 @pytest.fixture
 def lazy(monkeypatch):
     """A march whose first level never changes."""
-    text = native.source()
+    text = cstruct.source()
     right, wrong = "m->s[i] = (double)(m->cells[i] & 1)", "m->s[i] = i ? (double)(m->cells[i] & 1) : 0"
     assert text.count(right) == 1
-    monkeypatch.setattr(native, "source", lambda: text.replace(right, wrong))
-    native.engine.cache_clear()
+    monkeypatch.setattr(cstruct, "source", lambda: text.replace(right, wrong))
+    cstruct.engine.cache_clear()
     yield
-    native.engine.cache_clear()
+    cstruct.engine.cache_clear()
 
 
 def changed(**changes):
@@ -207,7 +208,7 @@ def command(monkeypatch, capsys):
     def runner(*arguments):
         monkeypatch.setattr(sys, "argv", ["ltcgear", *arguments])
         with pytest.raises(SystemExit) as stop:
-            cli.main()
+            commands.main()
         out, err = capsys.readouterr()
         return stop.value.code or 0, out, err
 

@@ -6,18 +6,18 @@ from math import pi
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.hard import contact, dead_band, friction, pair
-from ltcgear.runtime.hard.case import Bench
-from ltcgear.runtime.hard.impact import Impact
-from ltcgear.runtime.hard.pair import Pair
-from ltcgear.runtime.hard.planets import RubbingPlanets
-from ltcgear.runtime.library import build
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.studies.selftest import contact_cases, dead_band, friction_cases, pair
+from ltcgear.runtime.studies.selftest.case import Bench
+from ltcgear.runtime.studies.selftest.impact import Impact
+from ltcgear.runtime.studies.selftest.pair import Pair
+from ltcgear.runtime.studies.selftest.planets import RubbingPlanets
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
 from scipy.integrate import solve_ivp
 
-CASES = {case.name: case for case in (*contact.CASES, *friction.CASES)}
+CASES = {case.name: case for case in (*contact_cases.CASES, *friction_cases.CASES)}
 PAIR = Pair(0.8, 2e8, 0.07, 100.0, 0.0)
 
 
@@ -43,7 +43,7 @@ def wrong(name, method, long=False):
 
 @pytest.mark.parametrize("name", ["bounce", "grazing", "impact", "zero-gap", "reversal"])
 def test_a_loose_tolerance_is_found_wrong(name, monkeypatch):
-    monkeypatch.setattr(contact, "RTOL", 1e-2)
+    monkeypatch.setattr(contact_cases, "RTOL", 1e-2)
     assert wrong(name, "erk")
 
 
@@ -92,14 +92,14 @@ def fallen(right, start, end, times):
 
 
 def test_bounces_are_those_of_a_one_sided_spring():
-    size, end = 4 * PAIR.static, 2.5 * contact.bounce_period(PAIR, 4 * PAIR.static)
+    size, end = 4 * PAIR.static, 2.5 * contact_cases.bounce_period(PAIR, 4 * PAIR.static)
     times = np.linspace(0, end, 300)
 
     def right(t, y):
         return [y[1], (PAIR.torque / PAIR.r - PAIR.k * max(y[0], 0.0)) / PAIR.m]
 
     x, _ = fallen(right, [PAIR.static, size * PAIR.omega], end, times)
-    assert contact.bounce(PAIR, size, times) == pytest.approx(x, abs=1e-6 * size)
+    assert contact_cases.bounce(PAIR, size, times) == pytest.approx(x, abs=1e-6 * size)
 
 
 def test_an_impact_is_that_of_a_damper_that_never_pulls():
@@ -126,7 +126,7 @@ def test_landings_are_read_off_a_flight():
     time = np.linspace(0.0, 1.0, 12)
     fall = PAIR.static * PAIR.omega**2
     depth, speed = fall * (time**2 - 0.7**2) / 2, fall * time
-    assert contact.landings(PAIR, time, depth, speed) == pytest.approx([0.7], rel=1e-12)
+    assert contact_cases.landings(PAIR, time, depth, speed) == pytest.approx([0.7], rel=1e-12)
 
 
 def test_rubbing_planets_obey_coulomb_between_two_limits():

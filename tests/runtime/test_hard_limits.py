@@ -5,19 +5,19 @@ from functools import cache
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.dataset import make_dataset
-from ltcgear.runtime.guard import check_explicit
-from ltcgear.runtime.hard import limits, symmetry
-from ltcgear.runtime.hard.case import Bench
-from ltcgear.runtime.integration import integrate
-from ltcgear.runtime.library import build
-from ltcgear.runtime.reading import sampled
-from ltcgear.runtime.relaxation import relax
+from ltcgear.runtime.model.dynamic_relaxation import relax
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.results.dataset import make_dataset
+from ltcgear.runtime.simulate.integration import integrate
+from ltcgear.runtime.simulate.method_limits import check_explicit
+from ltcgear.runtime.simulate.output_reader import sampled
+from ltcgear.runtime.studies.selftest import limit_cases, symmetry_cases
+from ltcgear.runtime.studies.selftest.case import Bench
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene
 
-CASES = {case.name: case for case in (*limits.CASES, *symmetry.CASES)}
+CASES = {case.name: case for case in (*limit_cases.CASES, *symmetry_cases.CASES)}
 
 
 @cache
@@ -33,7 +33,7 @@ def open_bench(name, changes):
 
 @pytest.mark.parametrize("method", ["erk", "cvodes"])
 def test_a_run_in_which_gears_collide_keeps_only_finite_values(method):
-    bench = open_bench("psh", limits.CLOSING)
+    bench = open_bench("psh", limit_cases.CLOSING)
     path = integrate(
         bench.library, bench.p, bench.at, t_end=0.2, rate=8192.0, method=method, rtol=1e-5, tables=bench.tables
     )

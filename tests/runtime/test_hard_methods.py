@@ -4,9 +4,9 @@ import re
 
 import pytest
 from ltcgear.runtime.cli.testing import open_bench
-from ltcgear.runtime.hard.cases import CASES as LISTED
-from ltcgear.runtime.hard.suite import run_case
-from ltcgear.runtime.stepper import METHODS
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS
+from ltcgear.runtime.studies.selftest.cases import CASES as LISTED
+from ltcgear.runtime.studies.selftest.suite import run_case
 
 CASES = {case.name: case for case in LISTED}
 REFUSALS = {

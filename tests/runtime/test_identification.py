@@ -4,13 +4,13 @@ from math import log
 
 import numpy as np
 import pytest
+from benchmarks.identification.fitting import _Search, fit, spread_of
+from benchmarks.identification.forecast import Forecast, Span, Target
+from benchmarks.identification.posterior import Posterior
+from benchmarks.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
+from benchmarks.identification.screening import screen, spread_points
+from benchmarks.identification.unknowns import Unknown, bounds_of, changes_of, read_unknowns
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.identification.fitting import _Search, fit, spread_of
-from ltcgear.runtime.identification.forecast import Forecast, Span, Target
-from ltcgear.runtime.identification.posterior import Posterior
-from ltcgear.runtime.identification.rig import combinations, rig_choices, rig_targets, rig_unknowns
-from ltcgear.runtime.identification.screening import screen, spread_points
-from ltcgear.runtime.identification.unknowns import Unknown, bounds_of, changes_of, read_unknowns
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.scene import load_scene
 

@@ -7,15 +7,16 @@ import numpy as np
 import pytest
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError, LtcgearError
-from ltcgear.runtime import native, stepper
-from ltcgear.runtime.batch import over_time
-from ltcgear.runtime.energy import energy_residual
-from ltcgear.runtime.equilibrium import Equilibrium, find_equilibrium, mean_levels, start_state, state_matrix
-from ltcgear.runtime.integration import integrate
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import Library, build, external
-from ltcgear.runtime.nodes import Chebyshev, Uniform
-from ltcgear.runtime.stepper import METHODS, MULTISTEP
+from ltcgear.runtime.model import cstruct
+from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium, mean_levels, start_state, state_matrix
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import Library, build, external
+from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.simulate.dense_output import Chebyshev, Uniform
+from ltcgear.runtime.simulate.energy_balance import energy_residual
+from ltcgear.runtime.simulate.integration import integrate
+from ltcgear.runtime.simulate.methods import segment_methods
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS, MULTISTEP
 from scipy.linalg import expm
 
 from . import exact
@@ -282,7 +283,7 @@ def test_stiffness_that_varies_faster_than_any_mode_swings_is_resolved():
 
 
 def test_a_failing_solver_is_a_status(monkeypatch):
-    monkeypatch.setattr(stepper, "MOST_STEPS", 2)
+    monkeypatch.setattr(segment_methods, "MOST_STEPS", 2)
     path = case("psh").run(method="cvodes", rtol=1e-8)
     assert path.status.startswith("cvodes stopped at t = ")
     assert "rtol 1e-08" in path.status
@@ -293,7 +294,7 @@ def test_a_failing_solver_is_a_status(monkeypatch):
 
 @pytest.mark.parametrize("method", ["erk", "cvodes", "idas", "rosenbrock"])
 def test_gears_pulled_into_each_other_stop_the_run_and_keep_the_data(monkeypatch, method):
-    monkeypatch.setattr(stepper, "MOST_STEPS", 10_000)
+    monkeypatch.setattr(segment_methods, "MOST_STEPS", 10_000)
     # On the wrong flank the mesh pulls 1.18e5 N; soft bearings let the base circles meet after some milliseconds.
     soft = [f'stages.psh.{part}.bearing.stiffness = "1e6 N/m"' for part in ("input", "output")]
     c = case("psh", *soft, 'stages.psh.mesh.flank = "printed"')
@@ -371,7 +372,7 @@ def test_the_compiled_functions_are_what_is_integrated(counted, method):
 def test_without_a_compiler_nothing_is_integrated(monkeypatch, method):
     c = case("lsp")
     monkeypatch.setattr(store, "compiler", lambda: None)
-    native.engine.cache_clear()
+    cstruct.engine.cache_clear()
     library = build(c.library.artifact)
     assert library.engine == "CasADi virtual machine"
     assert c.library.engine == "compiled C"

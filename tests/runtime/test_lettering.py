@@ -6,8 +6,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from ltcgear.runtime.plots import make_canvas, save_figure
-from ltcgear.runtime.report.theme import themed, write_svg
+from ltcgear.runtime.view.plots import make_canvas, save_figure
+from ltcgear.runtime.view.report.theme import themed, write_svg
 
 SIGNS = "$x^{$ \\frac{ 5 $ and 6 $ _^"
 ACTS = "bell\x07 and \x1b[31m"
@@ -80,6 +80,6 @@ def test_own_letters_are_set_as_they_are_meant(tmp_path, run):
 def test_a_backend_of_the_surroundings_is_not_needed(backend):
     code = (
         f"import os; os.environ['MPLBACKEND'] = {backend!r}\n"
-        "from ltcgear.runtime import cli\nfrom ltcgear.runtime.plots import make_canvas\nmake_canvas(1.0, 1.0)"
+        "from ltcgear.runtime import cli\nfrom ltcgear.runtime.view.plots import make_canvas\nmake_canvas(1.0, 1.0)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -14,7 +14,7 @@ import pytest
 from ltcgear import runtime, symbolic
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
-from ltcgear.runtime.library import load
+from ltcgear.runtime.model.library import load
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import make_scene

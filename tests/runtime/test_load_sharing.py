@@ -9,7 +9,7 @@ from .models import case
 def shares(scene, *settings):
     """Return each planet's share of the sun's load, 1 in the mean."""
     found = case(scene, *settings)
-    from ltcgear.runtime.kernel import Kernel
+    from ltcgear.runtime.model.function import Kernel
 
     values = Kernel(found.library.functions["outputs"])(found.at.x, found.at.levels, found.p)[0]
     reports = found.library.manifest.reports

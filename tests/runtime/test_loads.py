@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from ltcgear.generated.contract import Signal
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.batch import over_time
-from ltcgear.runtime.dataset import make_dataset
-from ltcgear.runtime.energy import energy_residual
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.integration import integrate
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.reading import sampled
-from ltcgear.runtime.signals import Signals
-from ltcgear.runtime.simulation import simulate
-from ltcgear.runtime.stepper import METHODS
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.load_tables import Signals
+from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.results.dataset import make_dataset
+from ltcgear.runtime.simulate.energy_balance import energy_residual
+from ltcgear.runtime.simulate.integration import integrate
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS
+from ltcgear.runtime.simulate.output_reader import sampled
+from ltcgear.runtime.simulate.simulation import simulate
 from ltcgear.symbolic.pipeline import content_key
 
 from .models import case, change, make_case, raw_scene

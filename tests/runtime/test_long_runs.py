@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.clocks import TURN, Clocks
-from ltcgear.runtime.dataset import make_dataset
-from ltcgear.runtime.equilibrium import Equilibrium
-from ltcgear.runtime.native import Native
-from ltcgear.runtime.quantities import PHASES
-from ltcgear.runtime.reading import outputs_of, sampled
-from ltcgear.runtime.statistics import mesh_frequencies
+from ltcgear.runtime.model.cstruct import Native
+from ltcgear.runtime.model.equilibrium import Equilibrium
+from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
+from ltcgear.runtime.model.quantity_names import PHASES
+from ltcgear.runtime.results.dataset import make_dataset
+from ltcgear.runtime.results.statistics import mesh_frequencies
+from ltcgear.runtime.simulate.output_reader import outputs_of, sampled
 
 from .models import case
 from .variants import GRAVITY

@@ -6,10 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from ltcgear.runtime.arcs import Arc
-from ltcgear.runtime.march import CAPACITY, March
-from ltcgear.runtime.native import FAULTS, source
-from ltcgear.runtime.signals import Signals
+from ltcgear.runtime.model.cstruct import FAULTS, source
+from ltcgear.runtime.model.load_tables import Signals
+from ltcgear.runtime.simulate.driver import CAPACITY, March
+from ltcgear.runtime.simulate.smooth_arc import Arc
 
 from .models import case
 

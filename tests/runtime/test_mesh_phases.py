@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.analysis.trace import phase_of
-from ltcgear.runtime.clocks import TURN, Clocks
-from ltcgear.runtime.dataset import make_dataset
-from ltcgear.runtime.quantities import PHASES
-from ltcgear.runtime.reading import outputs_of, sampled
-from ltcgear.runtime.statistics import group_of
+from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
+from ltcgear.runtime.model.quantity_names import PHASES
+from ltcgear.runtime.results.dataset import make_dataset
+from ltcgear.runtime.results.statistics import group_of
+from ltcgear.runtime.simulate.output_reader import outputs_of, sampled
 
 from reference.hand_profiles import smooth_levels
 

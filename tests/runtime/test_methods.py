@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime import stepper
-from ltcgear.runtime.march import LONGEST, March
-from ltcgear.runtime.signals import Signals
-from ltcgear.runtime.simulation import check_options
-from ltcgear.runtime.stepper import METHODS
-from ltcgear.runtime.sundae import STENCIL, interpolate
+from ltcgear.runtime.model.load_tables import Signals
+from ltcgear.runtime.simulate.driver import LONGEST, March
+from ltcgear.runtime.simulate.methods import segment_methods
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS
+from ltcgear.runtime.simulate.methods.sundials7 import STENCIL, interpolate
+from ltcgear.runtime.simulate.simulation import check_options
 
 from . import exact
 from .models import case
@@ -49,7 +49,7 @@ def test_sundae_finds_the_switchings_by_itself(monkeypatch):
     # Told nothing but the longest segment, it ends its arcs at the instants of kinematics.
     c = case("psh", *exact.SETTINGS)
     told = []
-    advance = stepper.METHODS and March.__init__.__globals__["make_stepper"]
+    advance = segment_methods.METHODS and March.__init__.__globals__["make_stepper"]
 
     def watched(*args):
         made = advance(*args)
@@ -100,7 +100,7 @@ def test_values_between_steps_are_those_of_a_polynomial():
 
 
 def test_a_method_whose_package_is_missing_is_refused(monkeypatch):
-    monkeypatch.setattr(stepper, "find_spec", lambda name: None)
+    monkeypatch.setattr(segment_methods, "find_spec", lambda name: None)
     check_options("erk", 1e-6)
     with pytest.raises(LtcgearError, match=r"pip install 'ltcgear\[sundae\]'") as refused:
         check_options("sundae", 1e-6)

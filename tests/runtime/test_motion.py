@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import build
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import build
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 

@@ -6,8 +6,8 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
-from ltcgear.runtime import netcdf
-from ltcgear.runtime.netcdf import MARK, open_file, save
+from ltcgear.runtime.results import netcdf
+from ltcgear.runtime.results.netcdf import MARK, open_file, save
 
 
 @pytest.fixture

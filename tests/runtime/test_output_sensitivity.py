@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError, SolverError
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.sensitivity.adjoint import differentiate_output
-from ltcgear.runtime.sensitivity.course import follow_course
-from ltcgear.runtime.sensitivity.ranking import is_continuous, list_influences
-from ltcgear.runtime.sensitivity.worth import find_output, find_worth, quadrature
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.parameter_bounds import is_continuous
+from ltcgear.runtime.studies.sensitivity.adjoint import differentiate_output
+from ltcgear.runtime.studies.sensitivity.course import follow_course
+from ltcgear.runtime.studies.sensitivity.ranking import list_influences
+from ltcgear.runtime.studies.sensitivity.worth import find_output, find_worth, quadrature
 
 from .models import TORQUE_DRIVEN, case
 

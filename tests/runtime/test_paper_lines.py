@@ -4,8 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from ltcgear.runtime.comparison import published
-from ltcgear.runtime.paper.lines import count_chance, explain_lines, forced_name, own_peak, printed_lines
+from ltcgear.runtime.studies.wu2021.comparison import published
+from ltcgear.runtime.studies.wu2021.line_origins import (
+    count_chance,
+    explain_lines,
+    forced_name,
+    own_peak,
+    printed_lines,
+)
 
 from .synthetic import make_dataset
 

@@ -3,7 +3,7 @@ import sys
 
 import numpy as np
 import pytest
-from ltcgear.runtime.plots import (
+from ltcgear.runtime.view.plots import (
     _FORCES,
     _SPECTRA,
     _draw_forces,
@@ -86,8 +86,9 @@ def test_spectrum_shows_its_lines_and_the_printed_ones(dataset):
 def test_importing_stays_light():
     heavy = "matplotlib scipy xarray sympy casadi"
     code = (
-        "import sys, ltcgear.runtime.plots, ltcgear.runtime.comparison, ltcgear.runtime.tables\n"
-        "import ltcgear.runtime.analysis.gallery, ltcgear.runtime.analysis.listing\n"
+        "import sys, ltcgear.runtime.view.plots, ltcgear.runtime.studies.wu2021.comparison\n"
+        "import ltcgear.runtime.results.table\n"
+        "import ltcgear.runtime.view.figures.gallery, ltcgear.runtime.view.tables.analysis_tables\n"
         f"print([name for name in '{heavy}'.split() if name in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

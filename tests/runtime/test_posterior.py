@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from benchmarks.identification.posterior import look_around, move_alone, polish, total
 from ltcgear.generated.errors import SolverError
-from ltcgear.runtime.identification.posterior import look_around, move_alone, polish, total
 
 LOW, HIGH = np.full(2, -2.0), np.full(2, 2.0)
 SLOPES = np.array([[3.0, 1.0], [0.5, -2.0], [0.0, 1.0]])

@@ -7,15 +7,15 @@ from math import log10, pi, sqrt
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
-from ltcgear.runtime.hard.case import Bench
-from ltcgear.runtime.precision import reference as references
-from ltcgear.runtime.precision.errors import KINDS, Samples, find_errors, take_samples, value_of
-from ltcgear.runtime.precision.patience import OutOfTimeError, Patience
-from ltcgear.runtime.precision.presets import PRESETS, choose_time, mesh_rates
-from ltcgear.runtime.precision.reference import MARGIN, Reference, find_reference, judge
-from ltcgear.runtime.precision.study import Wanted, run_study
-from ltcgear.runtime.precision.sweep import ROUNDS, Point, Sweep, choose_timed
-from ltcgear.runtime.scaling import vibration_scale
+from ltcgear.runtime.model.vibration_scale import vibration_scale
+from ltcgear.runtime.studies.accuracy import reference as references
+from ltcgear.runtime.studies.accuracy.patience import OutOfTimeError, Patience
+from ltcgear.runtime.studies.accuracy.presets import PRESETS, choose_time, mesh_rates
+from ltcgear.runtime.studies.accuracy.reference import MARGIN, Reference, find_reference, judge
+from ltcgear.runtime.studies.accuracy.run_errors import KINDS, Samples, find_errors, take_samples, value_of
+from ltcgear.runtime.studies.accuracy.study import Wanted, run_study
+from ltcgear.runtime.studies.accuracy.sweep import ROUNDS, Point, Sweep, choose_timed
+from ltcgear.runtime.studies.selftest.case import Bench
 
 from reference import gate
 

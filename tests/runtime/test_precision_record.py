@@ -5,12 +5,12 @@ import json
 
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.precision.cheapest import find_cheapest
-from ltcgear.runtime.precision.figures import PANELS, draw_all
-from ltcgear.runtime.precision.listing import make_tables
-from ltcgear.runtime.precision.phases import sum_phases
-from ltcgear.runtime.precision.record import digest_numbers, keep, kept_path, read_record, write_record
-from ltcgear.runtime.precision.selection import read_percentage, select_setting
+from ltcgear.runtime.studies.accuracy.cheapest import find_cheapest
+from ltcgear.runtime.studies.accuracy.phases import sum_phases
+from ltcgear.runtime.studies.accuracy.record import digest_numbers, keep, kept_path, read_record, write_record
+from ltcgear.runtime.studies.accuracy.selection import read_percentage, select_setting
+from ltcgear.runtime.view.figures.accuracy_figures import PANELS, draw_all
+from ltcgear.runtime.view.tables.accuracy_tables import make_tables
 from ltcgear.symbolic.scene import load_scene
 
 from records import gap, make_record

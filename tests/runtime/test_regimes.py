@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from ltcgear.generated.contract import HELD
-from ltcgear.runtime.energy import energy_residual
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.stepper import METHODS
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.simulate.energy_balance import energy_residual
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS
 
 from .models import case
 

@@ -10,8 +10,8 @@ import netCDF4
 import pytest
 from ltcgear.runtime import build, simulate
 from ltcgear.runtime.cli import reporting
-from ltcgear.runtime.report.page import write_report
-from ltcgear.runtime.sums import SUMS
+from ltcgear.runtime.results.checksums import SUMS
+from ltcgear.runtime.view.report.page import write_report
 from ltcgear.symbolic import build_model, load_scene
 from ltcgear.symbolic.pipeline import obtain
 

@@ -5,9 +5,9 @@ from math import cos, sin, tau
 
 import numpy as np
 import pytest
-from ltcgear.runtime.report.film import choose_windows, magnify, make_track, pack
-from ltcgear.runtime.report.panels import BACK, ENDS, make_panels, nice
-from ltcgear.runtime.report.stage import arrow, pose_stage, transform
+from ltcgear.runtime.view.report.film import choose_windows, magnify, make_track, pack
+from ltcgear.runtime.view.report.panels import BACK, ENDS, make_panels, nice
+from ltcgear.runtime.view.report.stage import arrow, pose_stage, transform
 
 from reports import load_run
 

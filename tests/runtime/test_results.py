@@ -12,10 +12,10 @@ import pytest
 import xarray as xr
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import build, load, simulate
-from ltcgear.runtime.ensemble import simulate_many
-from ltcgear.runtime.exports import export
-from ltcgear.runtime.form import FORM
-from ltcgear.runtime.sums import SUMS
+from ltcgear.runtime.results.checksums import SUMS
+from ltcgear.runtime.results.file_schema import FORM
+from ltcgear.runtime.results.table_export import export
+from ltcgear.runtime.simulate.ensemble import simulate_many
 from ltcgear.symbolic import build_model, describe_scene, load_scene, restore_scene
 from ltcgear.symbolic.pipeline import obtain
 from scipy.io import loadmat

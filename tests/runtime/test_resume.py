@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime import checkpoint, integration, recording
-from ltcgear.runtime.checkpoint import checkpoint_of
-from ltcgear.runtime.native import FIELDS, NAMES
-from ltcgear.runtime.part import part_of, read_part
-from ltcgear.runtime.results import load
-from ltcgear.runtime.stepper import METHODS
+from ltcgear.runtime.model.cstruct import FIELDS, NAMES
+from ltcgear.runtime.results import checkpoint
+from ltcgear.runtime.results.checkpoint import checkpoint_of
+from ltcgear.runtime.results.result import load
+from ltcgear.runtime.results.row_file import part_of, read_part
+from ltcgear.runtime.simulate import integration, recording
+from ltcgear.runtime.simulate.methods.segment_methods import METHODS
 
 from .models import case, make_case
 from .test_loads import shaft, torque

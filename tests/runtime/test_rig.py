@@ -3,8 +3,8 @@
 from functools import cache
 
 import pytest
-from ltcgear.runtime.simulation import simulate
-from ltcgear.runtime.statistics import mesh_frequencies, mesh_statistics
+from ltcgear.runtime.results.statistics import mesh_frequencies, statistics
+from ltcgear.runtime.simulate.simulation import simulate
 
 from .models import case
 
@@ -28,7 +28,7 @@ def test_mesh_frequencies_over_a_whole_turn(stage, printed):
 )  # fmt: skip
 def test_mean_normal_forces_of_the_lossless_rig_are_those_of_statics(mesh, statics):
     """READING.md: torque over base radius, shared by the planets."""
-    assert mesh_statistics(turn(), 2.0)[mesh]["mean"] == pytest.approx(statics, rel=5e-3)
+    assert statistics(turn(), 2.0)[mesh]["mean"] == pytest.approx(statics, rel=5e-3)
 
 
 def test_the_drive_gives_what_the_generator_takes():

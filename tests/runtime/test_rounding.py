@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from ltcgear.runtime.analysis import analyse, find_spectrum, list_tables, name_lines
 from ltcgear.runtime.analysis.lines import Clues
-from ltcgear.runtime.rounding import is_unstrained, round_statistics, without_rounding
-from ltcgear.runtime.statistics import mesh_statistics
+from ltcgear.runtime.results.rounding import is_unstrained, round_statistics, without_rounding
+from ltcgear.runtime.results.statistics import statistics
 
 from .outputs import result, times
 
@@ -85,7 +85,7 @@ def test_a_force_that_only_the_tolerance_varies_is_constant():
 
 def test_statistics_of_an_idle_mesh_have_no_factor():
     run = train(2e3 + 5.0 * NOISE, 1e-2, 30.0)
-    told = mesh_statistics(run, 0.0)
+    told = statistics(run, 0.0)
     idle = dict.fromkeys(("mean", "min", "max", "rms", "amplitude"), 1e-8) | {"load_factor": 40.0}
     found = round_statistics(told | {"b.mesh": idle}, run)
     assert found["a.mesh"] == told["a.mesh"]

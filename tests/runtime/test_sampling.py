@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from ltcgear.runtime import build, simulate
-from ltcgear.runtime.band import BAND
-from ltcgear.runtime.rates import HARMONICS, LEAST, choose_rate, mesh_frequency
-from ltcgear.runtime.spectra import amplitude_spectrum, strongest_lines
-from ltcgear.runtime.statistics import window
+from ltcgear.runtime.results.amplitude_spectrum import amplitude_spectrum, strongest_lines
+from ltcgear.runtime.results.statistics import window
+from ltcgear.runtime.simulate.low_pass import BAND
+from ltcgear.runtime.simulate.sampling_rate import HARMONICS, LEAST, choose_rate, mesh_frequency
 from ltcgear.symbolic import build_model, load_scene
 from ltcgear.symbolic.pipeline import obtain
 

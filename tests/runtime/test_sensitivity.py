@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.library import build
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.sensitivity import differentiate_modes
 from ltcgear.runtime.linear.system import linearise
-from ltcgear.runtime.sensitivity.items import list_modes
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.studies.sensitivity.items import list_modes
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.model import Parameter
 from ltcgear.symbolic.pipeline import obtain

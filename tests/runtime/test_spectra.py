@@ -3,7 +3,7 @@ import sys
 
 import numpy as np
 import pytest
-from ltcgear.runtime.spectra import (
+from ltcgear.runtime.results.amplitude_spectrum import (
     WINDOWS,
     Line,
     amplitude_spectrum,
@@ -112,7 +112,7 @@ def test_peaks_are_those_of_scipy(distance, levels):
 def test_spectra_and_their_lines_do_not_load_scipy():
     """That takes longer than all spectra of a report."""
     code = (
-        "import sys, numpy as np; from ltcgear.runtime.spectra import amplitude_spectrum, strongest_lines;"
+        "import sys, numpy as np; from ltcgear.runtime.results.amplitude_spectrum import *;"
         "strongest_lines(*amplitude_spectrum(np.sin(np.arange(99.0)), 1.0), 3, 0.1);"
         "print('scipy.signal' in sys.modules)"
     )

@@ -1,13 +1,13 @@
 import numpy as np
 import pytest
-from ltcgear.runtime.statistics import (
+from ltcgear.runtime.results.statistics import (
     group_of,
     mesh_frequencies,
-    mesh_statistics,
     pressure_angles,
     sampling_rate,
     shaft_speeds,
     stage_of,
+    statistics,
     steady_start,
     window,
 )
@@ -21,7 +21,7 @@ def dataset():
 
 
 def test_statistics_of_a_sine(dataset):
-    found = mesh_statistics(dataset, STEADY)["lsp.sun_planet.2"]
+    found = statistics(dataset, STEADY)["lsp.sun_planet.2"]
     assert found["mean"] == pytest.approx(3.5e5, rel=1e-4)
     assert found["min"] == pytest.approx(3.0e5, rel=1e-4)
     assert found["max"] == pytest.approx(4.0e5, rel=1e-4)
@@ -31,27 +31,27 @@ def test_statistics_of_a_sine(dataset):
 
 
 def test_every_mesh_has_statistics(dataset):
-    assert list(mesh_statistics(dataset, STEADY)) == [str(mesh) for mesh in dataset["mesh"].values]
+    assert list(statistics(dataset, STEADY)) == [str(mesh) for mesh in dataset["mesh"].values]
 
 
 def test_the_other_flank_has_a_positive_load_factor(dataset):
-    found = mesh_statistics(dataset, STEADY)["psh.mesh"]
+    found = statistics(dataset, STEADY)["psh.mesh"]
     assert found["mean"] == pytest.approx(-1.2e5, rel=1e-4)
     assert found["load_factor"] == pytest.approx(1.25, rel=1e-4)
 
 
 def test_the_transient_counts_only_when_asked_for(dataset):
-    assert mesh_statistics(dataset, 0.0)["psh.mesh"]["amplitude"] > 2e5
+    assert statistics(dataset, 0.0)["psh.mesh"]["amplitude"] > 2e5
 
 
 def test_an_unloaded_mesh_has_no_load_factor(dataset):
     idle = dataset.assign(mesh_force=dataset["mesh_force"] * 0.0)
-    assert np.isnan(mesh_statistics(idle, STEADY)["psh.mesh"]["load_factor"])
+    assert np.isnan(statistics(idle, STEADY)["psh.mesh"]["load_factor"])
 
 
 def test_a_start_after_the_end_is_refused(dataset):
     with pytest.raises(ValueError, match="choose an earlier start"):
-        mesh_statistics(dataset, 9.0)
+        statistics(dataset, 9.0)
 
 
 def test_mesh_frequencies_are_the_phase_slopes(dataset):

@@ -14,10 +14,10 @@ import xarray as xr
 from ltcgear.generated import store as models
 from ltcgear.generated.errors import LtcgearError, MachineError, SceneError, SolverError
 from ltcgear.runtime import build, load, load_sweep, simulate, sweep
-from ltcgear.runtime.part import part_of
-from ltcgear.runtime.results import save
-from ltcgear.runtime.sweeping import filling as sweeping
-from ltcgear.runtime.sweeping import task
+from ltcgear.runtime.results.result import save
+from ltcgear.runtime.results.row_file import part_of
+from ltcgear.runtime.studies.sweep import filling as sweeping
+from ltcgear.runtime.studies.sweep import task
 from ltcgear.symbolic import Template
 from ltcgear.symbolic.scene import SHIPPED
 
@@ -326,14 +326,14 @@ def test_no_more_processes_than_points(tmp_path):
 
 
 def test_a_scheduler_that_is_not_there_is_told(tmp_path, monkeypatch):
-    cluster = pytest.importorskip("ltcgear.runtime.sweeping.cluster")
+    cluster = pytest.importorskip("ltcgear.runtime.studies.sweep.cluster")
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     with pytest.raises(LtcgearError, match=r"--scheduler tcp://127.0.0.1:9: cannot be reached .*start one with"):
         sweep(Template("lsp"), VARY, tmp_path / "a.nc", **{**FEW, "workers": None}, scheduler="tcp://127.0.0.1:9")
 
 
 def test_an_encrypted_scheduler_without_certificates_is_told(tmp_path, monkeypatch):
-    cluster = pytest.importorskip("ltcgear.runtime.sweeping.cluster")
+    cluster = pytest.importorskip("ltcgear.runtime.studies.sweep.cluster")
     monkeypatch.setattr(cluster, "PATIENCE", 0.5)
     with pytest.raises(LtcgearError, match=r"--scheduler tls://127.0.0.1:9: cannot be reached \(TLS .*configuration"):
         sweep(Template("lsp"), VARY, tmp_path / "a.nc", **{**FEW, "workers": None}, scheduler="tls://127.0.0.1:9")

@@ -82,7 +82,7 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, tmp_path):
 
 
 def test_a_cluster_without_workers_is_told(cluster, tmp_path, monkeypatch):
-    from ltcgear.runtime.sweeping import cluster as module
+    from ltcgear.runtime.studies.sweep import cluster as module
 
     monkeypatch.setattr(module, "PATIENCE", 1)
     with pytest.raises(LtcgearError, match="has no workers; start them with `dask worker tcp://"):
@@ -92,7 +92,7 @@ def test_a_cluster_without_workers_is_told(cluster, tmp_path, monkeypatch):
 
 def test_one_worker_is_enough_and_what_is_lost_is_told(cluster, tmp_path, monkeypatch):
     """It is killed in the middle, which is told once; another takes its place, until the scheduler is killed."""
-    from ltcgear.runtime.sweeping import cluster as module
+    from ltcgear.runtime.studies.sweep import cluster as module
 
     (address, add), warnings = cluster, []
     worker, few = add(), {**DRAWN, "points": 10, "t_end": 0.02}

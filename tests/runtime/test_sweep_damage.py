@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import load_sweep, sweep
-from ltcgear.runtime.part import part_of
-from ltcgear.runtime.sums import SUMS
-from ltcgear.runtime.sweeping.listing import list_tables, summarise
+from ltcgear.runtime.results.checksums import SUMS
+from ltcgear.runtime.results.row_file import part_of
+from ltcgear.runtime.studies.sweep.summary import summarise
+from ltcgear.runtime.view.tables.sweep_tables import list_tables
 from ltcgear.symbolic import Template
 
 VARY, FEW = ["loads.ring.speed=5 rpm:20 rpm:4"], {"t_end": 0.02, "workers": 1}

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.sweeping.axes import Axis, read_axes, read_axis
-from ltcgear.runtime.sweeping.design import SAMPLES, Design, draw_design
+from ltcgear.runtime.studies.sweep.axes import Axis, read_axes, read_axis
+from ltcgear.runtime.studies.sweep.design import SAMPLES, Design, draw_design
 from ltcgear.symbolic.units import parse
 
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False)

@@ -6,9 +6,10 @@ import pytest
 import xarray as xr
 from ltcgear.generated import store as models
 from ltcgear.generated.errors import CompileError, LtcgearError, MachineError, SolverError
-from ltcgear.runtime import guard, load_sweep, simulate, sweep
-from ltcgear.runtime.part import part_of
-from ltcgear.runtime.sweeping import filling, planning, task
+from ltcgear.runtime import load_sweep, simulate, sweep
+from ltcgear.runtime.results.row_file import part_of
+from ltcgear.runtime.simulate import method_limits
+from ltcgear.runtime.studies.sweep import filling, planning, task
 from ltcgear.symbolic import Template
 
 VARY = ["loads.ring.speed=5 rpm:20 rpm:4"]
@@ -143,7 +144,7 @@ def test_failed_points_are_computed_again_where_one_asks_for_it(tmp_path, monkey
 
 
 def test_runs_of_hours_are_points_that_fail_until_they_are_asked_for(tmp_path, monkeypatch, whole):
-    monkeypatch.setattr(guard, "LONGEST", 1e-9)
+    monkeypatch.setattr(method_limits, "LONGEST", 1e-9)
     summary = sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)
     assert summary["failed"] == 4
     assert "--long, or long=True in Python, begins it all the same" in str(

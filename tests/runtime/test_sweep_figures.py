@@ -4,12 +4,13 @@ import json
 
 import numpy as np
 import pytest
-from ltcgear.runtime.spectra import amplitude_spectrum
-from ltcgear.runtime.sweeping.axes import read_axes
-from ltcgear.runtime.sweeping.design import draw_design
-from ltcgear.runtime.sweeping.figures import draw_sweep
-from ltcgear.runtime.sweeping.listing import list_tables, summarise
-from ltcgear.runtime.sweeping.reading import shorten
+from ltcgear.runtime.results.amplitude_spectrum import amplitude_spectrum
+from ltcgear.runtime.studies.sweep.axes import read_axes
+from ltcgear.runtime.studies.sweep.design import draw_design
+from ltcgear.runtime.studies.sweep.summary import summarise
+from ltcgear.runtime.studies.sweep.sweep_reading import shorten
+from ltcgear.runtime.view.figures.sweep_figures import draw_sweep
+from ltcgear.runtime.view.tables.sweep_tables import list_tables
 from matplotlib.colors import to_hex
 
 from .sweeps import as_sweep

@@ -6,10 +6,10 @@ import pytest
 from ltcgear.generated import lock
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime import load_sweep, sweep
-from ltcgear.runtime.part import part_of
-from ltcgear.runtime.results import save
-from ltcgear.runtime.sweeping import run as sweeping
-from ltcgear.runtime.sweeping import store, task
+from ltcgear.runtime.results.result import save
+from ltcgear.runtime.results.row_file import part_of
+from ltcgear.runtime.studies.sweep import run_sweep as sweeping
+from ltcgear.runtime.studies.sweep import sweep_file, task
 from ltcgear.symbolic import Template
 
 VARY = ("loads.ring.speed=5 rpm:20 rpm", "loads.sun.torque=1e5 N*m:3e5 N*m")
@@ -34,7 +34,7 @@ def opened(monkeypatch):
     """What stores are opened with."""
     arguments = []
 
-    class Noted(store.Store):
+    class Noted(sweep_file.Store):
         def __init__(self, *given):
             arguments[:] = given
             super().__init__(*given)
@@ -45,7 +45,7 @@ def opened(monkeypatch):
 
 def test_a_sweep_that_is_refused_shortens_no_file(tmp_path, monkeypatch, opened):
     """The second looks when four rows are there, and opens the file when there are six."""
-    target, refused, read = tmp_path / "a.nc", [], store._open
+    target, refused, read = tmp_path / "a.nc", [], sweep_file._open
 
     def late(path):
         return read(path).isel(point=slice(4))
@@ -53,9 +53,9 @@ def test_a_sweep_that_is_refused_shortens_no_file(tmp_path, monkeypatch, opened)
     def again(stage, done, total, failed):
         if (stage, done) == ("simulate", 6):
             with monkeypatch.context() as patch:
-                patch.setattr(store, "_open", late)
+                patch.setattr(sweep_file, "_open", late)
                 with pytest.raises(LtcgearError, match="another run or sweep is writing it"):
-                    store.Store(*opened)
+                    sweep_file.Store(*opened)
             refused.append(int.from_bytes(part_of(target).read_bytes()[4:8], "big"))
 
     sweep(Template("lsp"), VARY, target, told=again, **FEW)
@@ -110,7 +110,7 @@ def test_a_file_without_all_points_is_not_finished(tmp_path, monkeypatch, opened
         with pytest.raises(KeyboardInterrupt):
             sweep(Template("lsp"), VARY, target, told=stop, **FEW)
     with (
-        store.Store(*opened) as kept,
+        sweep_file.Store(*opened) as kept,
         pytest.raises(LtcgearError, match=r"a\.part\.nc: holds 3 of the sweep's 6 points; run the same"),
     ):
         kept.seal()

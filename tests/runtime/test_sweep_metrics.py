@@ -7,12 +7,12 @@ import pytest
 import xarray as xr
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.analysis import find_load_share, find_transmission_error
-from ltcgear.runtime.dataset import make_dataset
-from ltcgear.runtime.reading import no_rows
-from ltcgear.runtime.results import Result
-from ltcgear.runtime.simulation import simulate
-from ltcgear.runtime.statistics import window
-from ltcgear.runtime.sweeping.metrics import METRICS, STATISTICS, choose_metrics, lay_out, measure, unite
+from ltcgear.runtime.results.dataset import make_dataset
+from ltcgear.runtime.results.result import Result
+from ltcgear.runtime.results.statistics import window
+from ltcgear.runtime.simulate.output_reader import no_rows
+from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.studies.sweep.metrics import METRICS, STATISTICS, choose_metrics, lay_out, measure, unite
 
 from .models import case
 from .synthetic import LSP

@@ -17,8 +17,8 @@ import math
 
 import numpy as np
 import pytest
-from ltcgear.runtime.sweeping.axes import read_axes
-from ltcgear.runtime.sweeping.design import draw_design
+from ltcgear.runtime.studies.sweep.axes import read_axes
+from ltcgear.runtime.studies.sweep.design import draw_design
 
 from .models import case
 from .sweeps import run_sweep

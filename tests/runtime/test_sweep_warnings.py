@@ -5,12 +5,13 @@ import pytest
 import xarray as xr
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import build, load_sweep, simulate, sweep
-from ltcgear.runtime.part import part_of
-from ltcgear.runtime.sweeping import store
-from ltcgear.runtime.sweeping.axes import read_axes
-from ltcgear.runtime.sweeping.design import draw_design
-from ltcgear.runtime.sweeping.figures import draw_sweep
-from ltcgear.runtime.sweeping.listing import gather_warnings, list_tables, summarise
+from ltcgear.runtime.results.row_file import part_of
+from ltcgear.runtime.studies.sweep import sweep_file
+from ltcgear.runtime.studies.sweep.axes import read_axes
+from ltcgear.runtime.studies.sweep.design import draw_design
+from ltcgear.runtime.studies.sweep.summary import gather_warnings, summarise
+from ltcgear.runtime.view.figures.sweep_figures import draw_sweep
+from ltcgear.runtime.view.tables.sweep_tables import list_tables
 from ltcgear.symbolic import Template
 
 from .sweeps import as_sweep
@@ -110,12 +111,12 @@ def test_maps_mark_the_cells_of_runs_that_are_warned_about():
 
 
 def test_what_has_no_room_is_counted():
-    lines = store._join([f"mesh {k}: {'x' * 90}" for k in range(20)]).decode().splitlines()
+    lines = sweep_file._join([f"mesh {k}: {'x' * 90}" for k in range(20)]).decode().splitlines()
     assert lines[-1] == f"and {20 - len(lines) + 1} more warnings, for which the row has no room"
     assert 5 < len(lines) < 20
-    assert store._join(["a"]) == b"a"
-    assert store._join([]) == b""
-    assert len(store._join(["y" * 5000, "z"])) <= store.TEXTS["warnings"]
+    assert sweep_file._join(["a"]) == b"a"
+    assert sweep_file._join([]) == b""
+    assert len(sweep_file._join(["y" * 5000, "z"])) <= sweep_file.TEXTS["warnings"]
 
 
 def test_a_file_of_before_is_read_and_says_that_it_kept_no_warnings(tmp_path, pulling):

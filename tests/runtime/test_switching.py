@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.equilibrium import Equilibrium
-from ltcgear.runtime.switching import AT_BORDER, Phases, cells_of, levels_of, lower, upper
+from ltcgear.runtime.model.contact_levels import AT_BORDER, Phases, cells_of, levels_of, lower, upper
+from ltcgear.runtime.model.equilibrium import Equilibrium
 
 from .engine import crossed, time_to_border
 from .hand_gearing import contact_ratio

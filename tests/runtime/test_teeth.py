@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import SolverError
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.recording import record
-from ltcgear.runtime.simulation import simulate
-from ltcgear.runtime.teeth import STRAINED, Teeth
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.tooth_deflection import STRAINED, Teeth
+from ltcgear.runtime.simulate.recording import record
+from ltcgear.runtime.simulate.simulation import simulate
 
 from .models import case
 

@@ -9,11 +9,12 @@ import sys
 import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.text import LONGEST, shorten, write_out
-from ltcgear.runtime import cli, present, present_book, present_linear, present_resonance
-from ltcgear.runtime.machine import find_fault
-from ltcgear.runtime.progress import progress
-from ltcgear.runtime.streams import Outlet
-from ltcgear.runtime.tables import Table
+from ltcgear.runtime.cli import commands
+from ltcgear.runtime.cli.machine_faults import find_fault
+from ltcgear.runtime.cli.progress import progress
+from ltcgear.runtime.cli.streams import Outlet
+from ltcgear.runtime.results.table import Table
+from ltcgear.runtime.view.tables import book_printed, modes_printed, printed, resonance_printed
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31mred\u202egnp.\u2066x\x08\x7f[bold]\ud800"
 ACTS = ("\x1b", "\x07", "\x9b", "\u202e", "\u2066", "\x08", "\x7f", "\ud800")
@@ -71,23 +72,23 @@ def test_no_command_prints_what_acts(capsys):
     variant |= {"changes": dict.fromkeys(("rms", "peak", "share", "spectrum"))}
     modes = {"meshes": "mean", "modes": [mode], "lowest": False, "freedoms": 1, "files": [EVIL]}
     for presented in (
-        lambda: present.scenes({"scenes": [{"name": "a", "title": EVIL}]}),
-        lambda: present.simulated(simulated(EVIL)),
-        lambda: present.analysed(analysed, [table], [EVIL]),
-        lambda: present.paper_verdicts({"equations": [verdict]}),
-        lambda: present.checks({"checks": [check]}),
-        lambda: present.generated({"files": [EVIL], "library": EVIL, "ops": {EVIL: 1}, "seconds": {}}),
-        lambda: present_linear.modes(modes),
-        lambda: present_resonance.campbell(campbell | {"values": [0.0, 1.0], "unit": "1", "home": 1.0}),
-        lambda: present_book.book(book | {"scene": EVIL, "file": EVIL, "key": EVIL}),
-        lambda: present.costs({"variants": [variant]}),
+        lambda: printed.scenes({"scenes": [{"name": "a", "title": EVIL}]}),
+        lambda: printed.simulated(simulated(EVIL)),
+        lambda: printed.analysed(analysed, [table], [EVIL]),
+        lambda: printed.paper_verdicts({"equations": [verdict]}),
+        lambda: printed.checks({"checks": [check]}),
+        lambda: printed.generated({"files": [EVIL], "library": EVIL, "ops": {EVIL: 1}, "seconds": {}}),
+        lambda: modes_printed.modes(modes),
+        lambda: resonance_printed.campbell(campbell | {"values": [0.0, 1.0], "unit": "1", "home": 1.0}),
+        lambda: book_printed.book(book | {"scene": EVIL, "file": EVIL, "key": EVIL}),
+        lambda: printed.costs({"variants": [variant]}),
         table.print,
     ):  # fmt: skip
         refuse_acts("".join(shown_by(presented, capsys).split()))
 
 
 def test_json_writes_out_what_acts(capsys):
-    present.show(True, {"title": EVIL}, print)
+    printed.show(True, {"title": EVIL}, print)
     assert capsys.readouterr().out.isascii()
 
 
@@ -110,7 +111,7 @@ def test_progress_shows_what_it_is_given_as_text(monkeypatch):
 def test_any_width_shows_every_number(capsys, monkeypatch, columns):
     monkeypatch.setenv("COLUMNS", columns)
     Table("title", ("what", "one [N]", "two [N]", "three [N]"), (("mesh", 11111.0, 22222.0, 33333.0),)).print()
-    present.simulated(simulated("a mesh") | {"accuracy": {"reason": "none"}})
+    printed.simulated(simulated("a mesh") | {"accuracy": {"reason": "none"}})
     out = "".join(capsys.readouterr().out.split())
     for digit in "123":
         assert 5 * digit in out
@@ -146,7 +147,7 @@ def test_output_without_room_is_told_and_the_code_says_so(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["ltcgear", "scenes", "--json"])
     monkeypatch.setattr(sys, "stdout", Full(OSError(28, "No space left on device")))
     with pytest.raises(SystemExit) as stop:
-        cli.main()
+        commands.main()
     assert stop.value.code == 2
     told = "ltcgear: standard output cannot be written: No space left on device; make room, or send it somewhere else\n"
     assert capsys.readouterr().err == told
@@ -156,7 +157,7 @@ def test_a_reader_that_goes_away_changes_nothing(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["ltcgear", "scenes"])
     monkeypatch.setattr(sys, "stdout", Full(BrokenPipeError(32, "Broken pipe")))
     with pytest.raises(SystemExit) as stop:
-        cli.main()
+        commands.main()
     assert (stop.value.code, capsys.readouterr().err) == (0, "")
 
 
@@ -164,7 +165,7 @@ def test_what_is_printed_to_no_stream_is_told_to_be_lost(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["ltcgear", "scenes"])
     monkeypatch.setattr(sys, "stdout", None)
     with pytest.raises(SystemExit) as stop:
-        cli.main()
+        commands.main()
     told = "ltcgear: standard output cannot be written: it is closed; make room, or send it somewhere else\n"
     assert (stop.value.code, capsys.readouterr().err) == (2, told)
 
@@ -174,11 +175,15 @@ def test_a_message_that_nobody_takes_leaves_the_code(monkeypatch, stream):
     monkeypatch.setattr(sys, "argv", ["ltcgear", "info", "no-such-scene"])
     monkeypatch.setattr(sys, "stderr", stream)
     with pytest.raises(SystemExit) as stop:
-        cli.main()
+        commands.main()
     assert stop.value.code == 2
 
 
-ENTRY = [sys.executable, "-c", "import sys\nfrom ltcgear.runtime.entry import main\nsys.argv[0] = 'ltcgear'\nmain()"]
+ENTRY = [
+    sys.executable,
+    "-c",
+    "import sys\nfrom ltcgear.runtime.cli.entry import main\nsys.argv[0] = 'ltcgear'\nmain()",
+]
 
 
 def test_a_full_device_and_closed_streams_as_a_shell_gives_them():
@@ -234,8 +239,8 @@ def test_what_a_machine_lacks_is_one_message(monkeypatch, run, error, told):
     def lacking(**given):
         raise error
 
-    monkeypatch.setattr(present, "scenes", lacking)
-    monkeypatch.setattr(present, "show", lambda as_json, data, people: lacking())
+    monkeypatch.setattr(printed, "scenes", lacking)
+    monkeypatch.setattr(printed, "show", lambda as_json, data, people: lacking())
     code, out, err = run("scenes")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert re.match(f"ltcgear: .*{told}", err)
@@ -287,7 +292,7 @@ def test_a_stop_that_a_shell_ignores_is_ignored():
 
 def test_a_package_that_is_missing_is_told(tmp_path):
     (tmp_path / "typer.py").write_text("raise ImportError('typer: failed to map segment from shared object')")
-    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\nfrom ltcgear.runtime.entry import main\nmain()"
+    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\nfrom ltcgear.runtime.cli.entry import main\nmain()"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert ended.returncode == 2
     assert ended.stderr.startswith("ltcgear: cannot be started: typer: failed to map segment")
@@ -296,7 +301,7 @@ def test_a_package_that_is_missing_is_told(tmp_path):
 
 def test_a_limit_of_memory_with_which_nothing_loads_is_told():
     limits = "import resource; resource.setrlimit(resource.RLIMIT_AS, (200 << 20, resource.RLIM_INFINITY))\n"
-    code = f"{limits}from ltcgear.runtime.entry import main\nmain()"
+    code = f"{limits}from ltcgear.runtime.cli.entry import main\nmain()"
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=30)
     assert ended.returncode == 2
     assert (

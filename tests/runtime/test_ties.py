@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.ties import largest_first, order_by_size
+from ltcgear.runtime.model.ties import largest_first, order_by_size
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.dynamics import Dynamics
-from ltcgear.runtime.equilibrium import find_equilibrium
-from ltcgear.runtime.rates import find_rate
-from ltcgear.runtime.recording import record
-from ltcgear.runtime.signals import Signals
-from ltcgear.runtime.simulation import simulate
-from ltcgear.runtime.values import MOST_FAULTS
+from ltcgear.runtime.export.solver.dynamics import Dynamics
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.load_tables import Signals
+from ltcgear.runtime.model.parameter_values import MOST_FAULTS
+from ltcgear.runtime.simulate.recording import record
+from ltcgear.runtime.simulate.sampling_rate import find_rate
+from ltcgear.runtime.simulate.simulation import simulate
 
 from .models import case
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.kernel import Kernel
+from ltcgear.runtime.model.function import Kernel
 from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model

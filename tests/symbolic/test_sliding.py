@@ -6,8 +6,8 @@ from math import acos, cos, pi, sin, sqrt, tan
 import numpy as np
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.runtime.batch import over_time
-from ltcgear.runtime.energy import energy_residual
+from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.simulate.energy_balance import energy_residual
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model
 from ltcgear.symbolic.lower import element_function

@@ -36,7 +36,9 @@ def whole() -> tuple[Path, dict[str, float]]:
         assert done.code == 0, done.err
         seconds[name] = done.seconds
     clock = time.monotonic()
-    subprocess.run([sys.executable, "-m", "ltcgear.runtime.cli", "--version"], check=False, capture_output=True)
+    subprocess.run(
+        [sys.executable, "-m", "ltcgear.runtime.cli.commands", "--version"], check=False, capture_output=True
+    )
     return folder, seconds | {"start": time.monotonic() - clock}
 
 

@@ -118,7 +118,8 @@ def command(
     def call() -> int:
         # As the program does itself, but for settings that come before: Ctrl-C is held back while libraries load.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-        from ltcgear.runtime import cli, entry, integration  # noqa: F401
+        from ltcgear.runtime.cli import commands, entry  # noqa: F401
+        from ltcgear.runtime.simulate import integration
 
         signal.signal(signal.SIGINT, entry._stop)
         signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,30 @@
+"""The equation book of a scene: book."""
+
+import typer
+
+from ..view.tables import book_printed
+from ..view.tables.printed import show
+from .app import app
+from .opening import open_scene
+from .options import AsJson, BookFile, Changes, Force, SceneName
+
+
+@app.command()
+def book(
+    scene: SceneName, output: BookFile, changes: Changes = None, force: Force = False, as_json: AsJson = False
+) -> None:
+    """Write the equation book: coordinates, energies, laws, equations of motion, checks, the paper's equations.
+
+    It is typeset from the symbols that the C is made of. Exit code 1 if a check fails.
+    """
+    from ltcgear.symbolic.book import check_file, list_content, make_book, write_book
+    from ltcgear.symbolic.checks.run import check_model
+
+    check_file(output, scene)
+    opened = open_scene(scene, changes, output)
+    checks = check_model(opened.model)
+    made = make_book(opened.scene, opened.model, opened.artifact.manifest, opened.key, checks)
+    write_book(made, output)
+    show(as_json, list_content(made) | {"file": str(output), "bytes": output.stat().st_size}, book_printed.book)
+    if made.checks["failed"]:
+        raise typer.Exit(1)

@@ -1,0 +1,1 @@
+"""Right-hand side and Jacobian for a solver of one's own."""

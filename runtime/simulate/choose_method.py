@@ -1,0 +1,251 @@
+"""Choice of the integrator: explicit steps, bound by stability, against costly ones, bound by accuracy only.
+
+The linearised model tells both. Its eigenvalues bound an explicit step; the part of its modes in what the jumps
+of stiffness, errors of teeth and loads set going says how long a step may be for accuracy.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.blas import SingleThreaded
+from ..model.equilibrium import Equilibrium, closed, settled, state_matrix
+from ..model.function import Kernel
+from ..model.library import Library
+from ..model.load_tables import Pairs
+from ..model.vibration_scale import vibration_scale
+from .driver import LONGEST
+from .duty import Changes, list_duty
+
+Vector = NDArray[np.float64]
+UNCHANGED = Changes(np.zeros(0), np.zeros(0))
+Complex = NDArray[np.complex128]
+GROWTH = np.polynomial.Polynomial([1, 1, 1 / 2, 1 / 6, 1 / 24, 1 / 120, 0.001432211324807348])
+"""Growth of a mode in a step, over h lambda, by the explicit 5(4) pair (Tsitouras 2011)."""
+REACH = np.linspace(0.5, 3.7, 321)
+"""|h lambda| at which growth is looked at: it passes 1 between 1.0 without damping and 3.5 without oscillation."""
+UNSEEN = 1e-4
+"""Growth in a step that the error control sees to, long before it matters."""
+PER_STEP = 6
+"""Right-hand sides a step of the explicit pair."""
+STAGES = 8
+"""Stages of the Rosenbrock method."""
+SPARSE = 1.25
+"""Time of an operation of a sparse factorisation over that of one in straight-line code (measured: 1 to 2)."""
+SEGMENT = {"erk": 3e4, "rosenbrock": 2e5}
+"""Operations in the time that a segment takes beside its steps, in C and with an engine called back (measured)."""
+SHORTEST = 8.0
+"""Angle of the fastest mode in the shortest segment."""
+PER_SEGMENT = 4.5
+"""Steps of a segment where fast modes are at rest, at least (measured)."""
+ERROR = 1e-3
+"""Error of a step of both methods: ERROR a (h omega)^5 for a mode of amplitude a (fitted to the rig's steps)."""
+REST = 1.2
+"""h omega at which a mode that is still within the tolerance counts as being at rest: an L-stable step damps it."""
+GAIN = 1.2
+"""How much cheaper the stiff method must be to be taken: it takes longer to compile."""
+IDLE = 1e9
+"""Operations a second of a model at rest, about a second, above which the stiff method is worth its compilation."""
+GONE = 1e4
+"""Exponent by which a mode dies away between two pushes, from which on it is never followed."""
+RIGID = 1e-6
+"""Modes below this part of the largest eigenvalue are rigid."""
+TIMES = np.linspace(0.0, 1.0, 65) ** 4
+"""Times between two switchings at which steps are reckoned, more of them after the jump."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A method and why it is taken; None where the user chose."""
+
+    method: str
+    why: str | None
+
+
+@dataclass(frozen=True)
+class Pace:
+    """What a run takes a second: steps and segments of both kinds of methods, means over the duty.
+
+    ``fastest`` is the largest eigenvalue [1/s] and ``stable`` the explicit steps that stability calls for [1/s].
+    """
+
+    explicit: float
+    stiff: float
+    segments: tuple[float, float]
+    fastest: float
+    stable: float
+
+
+@SingleThreaded()
+def choose(
+    library: Library, at: Equilibrium, p: Vector, rtol: float, tables: Mapping[str, Pairs] | None = None,
+    t_end: float | None = None,
+) -> Choice:  # fmt: skip
+    """Choose between ``erk`` and ``rosenbrock`` by the steps both need and what a step costs.
+
+    Parameters
+    ----------
+    library, at, p
+        Model, its loaded equilibrium, parameters.
+    rtol
+        Relative tolerance of the run.
+    tables, t_end
+        The model's tables over time and the time to simulate [s]: how long it is at which speed (``duty``).
+    """
+    pace, (explicit, stiff) = reckon(library, at, p, rtol, tables, t_end), step_operations(library)
+    if not pace.stiff:
+        still, slow = "nothing sets the model going from its equilibrium", pace.stable * explicit > IDLE
+        return Choice("rosenbrock" if slow else "erk", still)
+    costs = [
+        pace.explicit * explicit + pace.segments[0] * SEGMENT["erk"],
+        pace.stiff * stiff + pace.segments[1] * SEGMENT["rosenbrock"],
+    ]
+    why = (
+        f"the fastest eigenvalue, {pace.fastest:.2g} 1/s, binds explicit steps to {pace.stable:.2g} a second at least; "
+        f"accuracy calls for {pace.stiff:.2g}, and a stiff step costs {stiff / explicit:.2g} times as much"
+    )
+    return Choice("rosenbrock" if costs[0] > GAIN * costs[1] else "erk", why)
+
+
+def reckon(
+    library: Library, at: Equilibrium, p: Vector, rtol: float, tables: Mapping[str, Pairs] | None,
+    t_end: float | None,
+) -> Pace:  # fmt: skip
+    """Return what a run takes a second, its mean over the duty; parameters are those of ``choose``."""
+    parts = list_duty(library, at, p, tables, t_end)
+    paces = [_pace_at(library, part.at, p, rtol, part.changes) for part in parts]
+    shares = np.array([part.share for part in parts])
+    rows = np.array([[pace.explicit, pace.stiff, *pace.segments, pace.stable] for pace in paces])
+    explicit, stiff, one, two, stable = (shares @ rows).tolist()
+    return Pace(explicit, stiff, (one, two), max(pace.fastest for pace in paces), stable)
+
+
+def _pace_at(library: Library, at: Equilibrium, p: Vector, rtol: float, changes: Changes) -> Pace:
+    """Return what a run takes a second while speeds and loads are about those of a state."""
+    values, accuracy = excited_rates(library, at, p, rtol, changes)
+    stable, fastest = stability_rate(values), float(np.abs(values).max(initial=0.0))
+    steps = [float(np.trapezoid(rate, TIMES)) for rate in (np.maximum(accuracy, stable), accuracy)]
+    bound = float(np.trapezoid(accuracy < stable, TIMES))
+    segments = 0.0, 0.0
+    if library.manifest.levels or library.manifest.signals or library.manifest.holds:
+        most = fastest / SHORTEST
+        resting = max(min(steps[1] / PER_SEGMENT, most), most / LONGEST)
+        segments = bound * most + (1 - bound) * resting, resting
+    return Pace(steps[0], max(steps[1], segments[1]) if steps[1] else 0.0, segments, fastest, stable)
+
+
+def stability_rate(values: Complex) -> float:
+    """Return the steps a second [1/s] below which the explicit pair lets some mode grow that decays."""
+    directions = np.minimum(values.real, 0.0) + 1j * values.imag
+    directions = directions / np.maximum(np.abs(directions), 1e-300)
+    stable = np.abs(GROWTH(np.outer(directions, REACH))) <= 1.0 + UNSEEN
+    reach = REACH[np.where(stable.all(axis=1), -1, np.argmin(stable, axis=1))]
+    return float((np.abs(values) / reach).max(initial=0.0))
+
+
+def step_operations(library: Library) -> tuple[float, float]:
+    """Return the operations of an explicit step, and of a Rosenbrock step: stages, Jacobian and sparse QR."""
+    rhs, jacobian = (library.manifest.functions[name].operations for name in ("rhs", "jac_rhs"))
+    pattern = library.functions["jac_rhs"].sparsity_out(0)
+    n = pattern.size1()
+    left, right, _, _ = (pattern + ca.Sparsity.diag(n)).qr_sparse()
+    columns, rows = np.diff(left.colind()), np.diff(right.T.colind())
+    sparse = float(4 * columns @ rows[: len(columns)]) + STAGES * (4 * left.nnz() + 2 * right.nnz())
+    stage = rhs + 7.0 * n  # with the sum of the stages before it
+    return PER_STEP * stage, STAGES * stage + jacobian + SPARSE * sparse
+
+
+def excited_rates(
+    library: Library, at: Equilibrium, p: Vector, rtol: float, changes: Changes = UNCHANGED
+) -> tuple[Complex, Vector]:
+    """Return the eigenvalues [1/s], and steps a second that accuracy calls for at TIMES between two switchings.
+
+    A jump leaves each mode with an amplitude that dies away until the next one. What varies without jumps feeds its
+    modes all the time.
+    """
+    values, amplitude, shapes = excited_modes(library, at, p, vibration_scale(library, at, p), changes)
+    decay = _decay(library, at, p, values)
+    weight = np.maximum(shapes @ amplitude, 1.0)
+    size = (shapes / weight[:, None]).max(axis=0) * amplitude
+    angles = (ERROR * size[:, None] * np.exp(-np.outer(decay, TIMES)) / rtol) ** 0.2
+    rates = np.abs(values)[:, None] * np.where(angles * REST > 1, angles, 0.0)
+    # Once set going, the slowest mode is to be followed, unless it is gone at once.
+    slow = float(np.abs(values[decay < GONE]).min(initial=np.inf))
+    least = slow if amplitude.any() and np.isfinite(slow) else 0.0
+    return values, np.maximum(rates.max(axis=0, initial=0.0), least)
+
+
+def excited_modes(
+    library: Library, at: Equilibrium, p: Vector, scale: Vector, changes: Changes = UNCHANGED
+) -> tuple[Complex, Vector, Vector]:
+    """Return how far the modes are set going by jumps of stiffness, errors of teeth and loads.
+
+    Parameters
+    ----------
+    library, at, p
+        Model, its loaded equilibrium, parameters.
+    scale
+        See ``scaling.vibration_scale``, shape (n,).
+    changes
+        Of load signals over time.
+
+    Returns
+    -------
+    values, amplitude, shapes
+        Eigenvalues of all modes that are not rigid [1/s], shape (m,), their amplitudes in scaled coordinates after many
+        pushes, shape (m,), and the magnitudes of their shapes, shape (n, m).
+    """
+    values, shapes = _modes(library, at, p, scale)
+    jumps, swings = _pushes(library, at, p), _swings(library, at, p, changes)
+    pushes = np.hstack([jumps, swings]) / scale[:, None]
+    moving = np.abs(values) > RIGID * np.abs(values).max()
+    parts = np.linalg.lstsq(shapes, pushes.astype(np.complex128), rcond=None)[0][moving]
+    values, sizes = values[moving], np.abs(shapes[:, moving])
+    parts[:, jumps.shape[1] :] *= np.minimum(1.0, 2 * np.multiply.outer(1 / np.abs(values), changes.rates))
+    staying = 1 / np.sqrt(np.maximum(1 - np.exp(-2 * _decay(library, at, p, values)), 1e-3))
+    return values, np.abs(parts).max(axis=1, initial=0.0) / np.abs(values) * staying, sizes
+
+
+def _decay(library: Library, at: Equilibrium, p: Vector, values: Complex) -> Vector:
+    """Return the exponent by which each mode dies away between two switchings [1]."""
+    return np.asarray(np.maximum(-values.real, 0.0) * (_between(library, at, p) if len(at.levels) else 0.0))
+
+
+def _modes(library: Library, at: Equilibrium, p: Vector, scale: Vector) -> tuple[Complex, Complex]:
+    """Return eigenvalues and shapes where the model is stiffest: both pairs in contact, teeth closed."""
+    s = np.concatenate([np.ones(len(at.levels)), at.signals])
+    matrix = state_matrix(library, at.x, s, closed(library, p)) * scale[None, :] / scale[:, None]
+    values, shapes = np.linalg.eig(matrix)
+    return values.astype(np.complex128), shapes.astype(np.complex128)
+
+
+def _pushes(library: Library, at: Equilibrium, p: Vector) -> Vector:
+    """Return the jumps of the accelerations: what is out of balance at the start, and by each mesh's level."""
+    rhs = Kernel(library.functions["rhs"])
+    count = len(at.levels)
+
+    def rates(levels: Vector, p: Vector) -> Vector:
+        return rhs(at.x, np.concatenate([levels, at.signals]), p)[0].copy()
+
+    ones, means = np.ones(count), settled(library, p)
+    pushes = [rates(at.levels, p) - rates(at.levels, means), rates(ones, p) - rates(ones, means)]
+    pushes += [rates(level, p) - rates(np.zeros(count), p) for level in np.eye(count)]
+    return np.array(pushes).T
+
+
+def _swings(library: Library, at: Equilibrium, p: Vector, changes: Changes) -> Vector:
+    """Return by how much accelerations change with each load signal over time, shape (n, signals)."""
+    rhs = Kernel(library.functions["rhs"])
+    first = rhs(at.x, at.s, p)[0].copy()
+    found = [rhs(at.x, np.concatenate([at.levels, at.signals + row]), p)[0] - first for row in np.diag(changes.sizes)]
+    return np.array(found).reshape(-1, len(at.x)).T
+
+
+def _between(library: Library, at: Equilibrium, p: Vector) -> float:
+    """Return the mean time between switchings [s]; a second where nothing switches."""
+    tau_rate = Kernel(library.functions["phases"])(at.x, at.s, p)[1]
+    often = float(2 * np.abs(tau_rate).sum()) if len(tau_rate) else 0.0
+    return 1 / often if often > 0 else 1.0

@@ -1,0 +1,72 @@
+"""Regimes as discrete states: which side of every border holds at the start of a run.
+
+A border is a zero of one of the generated indicators g (teeth that come to push, a race that is reached). While an arc
+is integrated its sides are held, so that nothing bends within it; the first border that it crosses ends it, which
+``native/regimes.c`` sees to.
+"""
+
+import numpy as np
+from ltcgear.generated.contract import HELD
+from numpy.typing import NDArray
+
+from ..model.function import Kernel
+from ..model.library import Library
+from .smooth_arc import Frame
+
+Vector = NDArray[np.float64]
+Sides = NDArray[np.bool_]
+SLACK = 0.1
+"""How far beyond a border counts as on it, over what the tolerance lets the indicator be off."""
+
+
+class Regimes:
+    """The sides of all borders of a run.
+
+    Parameters
+    ----------
+    library, p
+        Model and parameters, shape (n_p,).
+    frame
+        Scaling of the states, which gives indicators their size.
+    rtol
+        Tolerance of the states.
+    s
+        Levels and signals at the start.
+    known
+        Index of a state that is known without error, None where there is none.
+
+    Attributes
+    ----------
+    sides
+        True where the indicator is held positive, shape (n_g,).
+    index
+        Where the holds are in p, shape (n_g,).
+    error, slack
+        What the tolerance of each state lets an indicator be off, shape (n, n_g), and the most of it, shape (n_g,).
+    """
+
+    def __init__(
+        self, library: Library, p: Vector, frame: Frame, rtol: float, s: Vector, known: int | None = None
+    ) -> None:
+        names = [name for name, _ in library.manifest.parameters]
+        self.index = np.array([names.index(hold) for hold in library.manifest.holds], dtype=np.int64)
+        self.p, self.frame = p, frame
+        self.one = Kernel(library.functions["borders"])
+        first = self._at(np.zeros(len(frame.scale)), s)
+        self.sides: Sides = first > 0
+        error = SLACK * rtol * np.array([np.abs(self._at(z, s) - first) for z in np.eye(len(frame.scale))])
+        if known is not None:
+            error[known] = 0.0
+        self.error, self.slack = error, error.max(axis=0, initial=0.0)
+
+    def _at(self, z: Vector, s: Vector) -> Vector:
+        """Return the indicators of one state."""
+        return np.array(self.one(self.frame.origin + self.frame.scale * z, s, self.p)[0])
+
+    def seen(self, x: Vector, s: Vector) -> Vector:
+        """Return the indicators of an unscaled state, positive on the side that holds."""
+        return np.asarray(np.where(self.sides, 1.0, -1.0) * self.one(x, s, self.p)[0])
+
+    def hold(self, p: Vector) -> None:
+        """Put the sides into parameters."""
+        p[self.index] = np.where(self.sides, HELD, -HELD)

@@ -1,0 +1,100 @@
+"""Duty: how long a run is at which speed, and by how much its loads change, before it is integrated.
+
+Friction is steepest at rest and teeth come and go with the speed, so what steps a run takes is a mean over its speeds.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.equilibrium import Equilibrium
+from ..model.function import Kernel
+from ..model.library import Library
+from ..model.load_tables import Pairs, Signals
+
+Vector = NDArray[np.float64]
+INSTANTS = 512
+"""Instants of a run at which its speed is looked at; more of them where it passes through rest."""
+HALVINGS = 40
+"""How often the time from a knot is halved for these: down to 1e-12 of the run."""
+EDGES = np.array([1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.6])
+"""Speeds over the highest between which a run counts as being at one speed."""
+
+
+@dataclass(frozen=True)
+class Changes:
+    """By how much load signals change within a run, and how fast: largest rate over size [1/s]; inf where they jump."""
+
+    sizes: Vector
+    rates: Vector
+
+
+@dataclass(frozen=True)
+class Part:
+    """A share of a run's time in which its speed is about the same: a state of it, and the changes of its loads."""
+
+    share: float
+    at: Equilibrium
+    changes: Changes
+
+
+def list_duty(
+    library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None, t_end: float | None
+) -> list[Part]:
+    """Return the parts of a run; the equilibrium alone where nothing tells how long it is.
+
+    Parameters
+    ----------
+    library, at, p
+        Model, its loaded equilibrium, parameters.
+    tables
+        The model's tables over time, by name.
+    t_end
+        Time to simulate [s].
+    """
+    kinds, names = library.manifest.signals, [state.name for state in library.manifest.states]
+    free = names.index("reference.speed") if "reference.speed" in names else None
+    if t_end is None or (kinds and not tables) or not (kinds or free is not None):
+        return [Part(1.0, at, Changes(np.zeros(0), np.zeros(0)))]
+    signals = Signals(kinds, tables or {})
+    time, weight = _instants(signals, t_end)
+    values, changes = signals.over(time), _changes(signals, time)
+    speed = np.zeros(len(time))
+    if free is not None:
+        speed = at.x[free] + float(Kernel(library.functions["rhs"])(at.x, at.s, p)[0][free]) * time
+    for i, kind in enumerate(kinds):
+        if kind.name == "reference.speed":
+            speed = values[:, i]
+    parts, place = [], np.digitize(np.abs(speed), EDGES * max(np.abs(speed).max(), 1e-300))
+    for each in np.unique(place):
+        chosen = np.flatnonzero(place == each)
+        middle = chosen[np.argsort(np.abs(speed[chosen]))[len(chosen) // 2]]
+        x = at.x.copy()
+        if free is not None:
+            x[free] = speed[middle]
+        parts.append(Part(float(weight[chosen].sum()), replace(at, x=x, signals=values[middle]), changes))
+    return parts
+
+
+def _instants(signals: Signals, t_end: float) -> tuple[Vector, Vector]:
+    """Return instants of a run [s], dense where a table bends or passes through zero, and their shares of its time."""
+    near = t_end * 0.5 ** np.arange(1, HALVINGS + 1)
+    inner = [0.0, *(knot for knot in signals.knots[:INSTANTS] if 0 < knot < t_end)]
+    beside = np.concatenate([np.add.outer(inner, near).ravel(), np.subtract.outer(inner, near).ravel()])
+    every = np.concatenate([np.linspace(0.0, t_end, INSTANTS), beside[(beside > 0) & (beside < t_end)]])
+    edges = np.unique(every)
+    return (edges[1:] + edges[:-1]) / 2, np.diff(edges) / t_end
+
+
+def _changes(signals: Signals, time: Vector) -> Changes:
+    """Return the changes of all signals."""
+    values = signals.over(time)
+    sizes = np.ptp(values, axis=0) if len(values) else np.zeros(0)
+    rates = np.full(len(sizes), np.inf)
+    for i, (table, sloping) in enumerate(zip(signals.tables, signals.sloping, strict=True)):
+        steepest = np.abs(np.diff(table[1]) / np.diff(table[0])).max(initial=0.0)
+        if not sloping:
+            rates[i] = steepest / max(sizes[i], 1e-300)
+    return Changes(sizes, np.maximum(rates, 1e-300))

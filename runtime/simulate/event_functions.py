@@ -1,0 +1,35 @@
+"""Watch: what a motion must not step over, for engines that look for it themselves."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.contact_levels import Cells, lower, upper
+from ..model.function import Kernel
+from .contact_events import Regimes
+
+Vector = NDArray[np.float64]
+
+
+class Watch:
+    """The borders of the cells and regimes that a motion is in.
+
+    Parameters
+    ----------
+    regimes
+        The sides that hold.
+    phases
+        The function of the mesh phases.
+    p
+        Parameters; the march changes them in place.
+    cells
+        The cells of the mesh phases, kept by the march from now on.
+    """
+
+    def __init__(self, regimes: Regimes, phases: Kernel, p: Vector, cells: Cells) -> None:
+        self.regimes, self.phases, self.p, self.cells = regimes, phases, p, cells
+        self.count = 2 * len(cells) + len(regimes.index)
+
+    def distances(self, x: Vector, s: Vector) -> Vector:
+        """Return how far a state is from the borders, positive inside and zero at a border, shape (count,)."""
+        tau, _, share = self.phases(x, s, self.p)
+        return np.concatenate([upper(self.cells, share) - tau, tau - lower(self.cells, share), self.regimes.seen(x, s)])

@@ -1,0 +1,252 @@
+"""Integrate: segments of smooth motion between switching instants, sampled on a uniform grid."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from ltcgear.generated.contract import MOST_SAMPLES
+from ltcgear.generated.errors import LtcgearError, SolverError
+from numpy.typing import NDArray
+
+from ..model.blas import SingleThreaded
+from ..model.contact_levels import levels_of
+from ..model.equilibrium import Equilibrium
+from ..model.library import Library
+from ..model.load_tables import Pairs, Signals
+from ..results.checkpoint import Snapshot
+from ..results.peaks import MeshExtremes
+from .driver import March
+from .failure import explain
+from .interrupt import Brake
+from .method_limits import check_run
+from .methods.segment_methods import Counts
+from .sampling import Block, Points, Samples, join
+
+Vector = NDArray[np.float64]
+Told = Callable[[float], None]
+Push = Callable[[Block, Points], None]
+CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
+EXHAUSTED = "std::bad_alloc"
+"""What CasADi says where memory is short."""
+MARK_SECONDS, SLICE = 2.0, 0.05
+"""Seconds between two marks of a run; seconds after which the C comes back to see whether it shall stop."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How an integration went, up to its end or its failure.
+
+    Attributes
+    ----------
+    work
+        Work done on the system by loads and drives less losses [J].
+    jump_energy
+        Energy that the stiffness jumps put in [J].
+    energy
+        Kinetic and potential energy at the start and at the end [J].
+    counts
+        Steps, right-hand sides, Jacobians, segments, events.
+    expected_events
+        Switchings by kinematics: borders between the mesh phases at the start, where they turned back, and at the end.
+    extremes
+        Smallest and largest mesh forces.
+    status
+        ``done``, or why it stopped and what to do.
+    end
+        Time reached [s].
+    last
+        States, levels and load signals, and parameters there.
+    seconds
+        Time taken to set the integrator up (it may have to be compiled), to integrate and to read outputs [s].
+    """
+
+    work: float
+    jump_energy: float
+    energy: tuple[float, float]
+    counts: Counts
+    expected_events: int
+    extremes: MeshExtremes
+    status: str
+    end: float
+    last: tuple[Vector, Vector, Vector]
+    seconds: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Trajectory(Outcome, Block):
+    """An integration with all its samples."""
+
+
+def check_length(samples: float) -> None:
+    """Refuse a run of less than one sample, or of more than a result may hold."""
+    if samples > MOST_SAMPLES:
+        raise LtcgearError(f"t_end times rate are {samples:.2g} samples, above {MOST_SAMPLES:.0e}; lower t_end or rate")
+    if round(samples) < 1:
+        raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
+
+
+class Integration:
+    """An integration on its way, which hands its samples on.
+
+    Parameters
+    ----------
+    library, p, at
+        Model, parameters and initial state.
+    t_end
+        Time to simulate [s].
+    rate
+        Samples a second [Hz].
+    method, rtol
+        See ``stepper``.
+    tables
+        The model's tables over time, by name.
+    passing
+        See ``march.March``.
+    long
+        Whether it may take more than an hour, see ``guard``.
+
+    Raises
+    ------
+    SolverError
+        If the method cannot be set up.
+    LtcgearError
+        If the run is shorter than one sample, or would take more than an hour and was not asked to.
+    """
+
+    @SingleThreaded()
+    def __init__(
+        self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
+        tables: Mapping[str, Pairs] | None = None, passing: float | None = None, long: bool = False,
+    ) -> None:  # fmt: skip
+        clock = perf_counter()
+        check_length(t_end * rate)
+        last = round(t_end * rate)
+        self.signals = Signals(library.manifest.signals, tables or {})
+        check_run(library, at, p, method=method, rtol=rtol, t_end=t_end, rate=rate, tables=tables, long=long)
+        self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})"
+        try:
+            self.march = March(library, p, at, method, rtol, last, rate, self.signals, passing=passing)
+        except RuntimeError as error:
+            raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
+        self.push: Push = lambda block, points: None
+        self.status = self.cause = ""
+        self.samples = Samples(self.march, last, rate, self._push)
+        self.seconds = {"prepare": perf_counter() - clock, "integrate": 0.0, "outputs": 0.0}
+        self.clock = perf_counter()
+
+    def proceed(self, push: Push, told: Told = lambda t: None, mark: Callable[[], None] = lambda: None) -> Outcome:
+        """Integrate to the end: ``follow``, then ``conclude``."""
+        self.follow(push, told, mark)
+        return self.conclude()
+
+    def follow(self, push: Push, told: Told = lambda t: None, mark: Callable[[], None] = lambda: None) -> None:
+        """Integrate to the end; with ``erk`` nothing of CasADi is touched, so that another thread may do it.
+
+        Parameters
+        ----------
+        push
+            Takes the samples, block by block, and the points up to each block's last sample.
+        told
+            Called with the simulated time now and then.
+        mark
+            Called at the start, now and then, and when Ctrl-C stops the run, between two segments and with all samples
+            handed on: a ``snapshot`` is whole then.
+        """
+        self.push, self.clock = push, perf_counter()
+        with Brake() as brake:
+            self.status = self._proceed(told, mark, brake)
+        self.samples.flush()
+        self._tick("integrate")
+
+    def conclude(self) -> Outcome:
+        """Return how it went; switchings that kinematics does not call for are a failure."""
+        march, events, status = self.march, self.march.counts.events, self.status
+        if self.cause:
+            status += f": {explain(march) or f'{self.cause}; {CURE}'}"
+        expected = march.expected_events()
+        if status == "done" and expected != events:
+            status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
+        signals = self.signals.at(march.time)
+        energy = march.first_energy, march.energy(march.z, march.cells, signals)
+        x, s = march.frame.origin + march.frame.scale * march.z, np.concatenate([levels_of(march.cells), signals])
+        end = min(march.time, self.samples.end)
+        return Outcome(
+            march.state.work, march.state.jump_energy, energy, march.counts, expected, march.extremes, status, end,
+            (x, s, march.p.copy()), self.seconds,
+        )  # fmt: skip
+
+    def snapshot(self) -> Snapshot:
+        """Return all that the integration needs to go on as if it had not stopped."""
+        self._tick("integrate")
+        kept = {f"seconds.{name}": np.array(value) for name, value in self.seconds.items()}
+        return self.march.snapshot() | kept | self.samples.snapshot()
+
+    def restore(self, kept: Snapshot) -> None:
+        """Go on from a snapshot."""
+        self.march.restore(kept)
+        self.samples.restore(kept)
+        for name in self.seconds:
+            self.seconds[name] += float(kept[f"seconds.{name}"])
+
+    def _proceed(self, told: Told, mark: Callable[[], None], brake: Brake) -> str:
+        """Integrate segment by segment to the end; return ``done``, or why it stopped and what to try."""
+        shown, marked, march, samples = 0.0, -np.inf, self.march, self.samples
+        while not samples.complete:
+            if brake.pulled or perf_counter() - marked > MARK_SECONDS:
+                samples.flush()
+                mark()
+                marked = perf_counter()
+            if brake.pulled:
+                return f"interrupted at t = {march.time:.6g} s"
+            try:
+                march.proceed(SLICE)
+            except RuntimeError as error:
+                if EXHAUSTED in str(error):
+                    raise MemoryError from error
+                self.cause = str(error).strip().splitlines()[-1][:200]
+                return self.stopped.format(march.time)
+            finally:
+                samples.take()
+            now = perf_counter()
+            if now - shown > 0.1:
+                shown = now
+                told(march.time)
+        return "done"
+
+    def _push(self, block: Block, points: Points) -> None:
+        """Hand a block on."""
+        self._tick("integrate")
+        self.push(block, points)
+        self._tick("outputs")
+
+    def _tick(self, stage: str) -> None:
+        """Book the time since the last tick."""
+        now = perf_counter()
+        self.seconds[stage] += now - self.clock
+        self.clock = now
+
+
+def integrate(
+    library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
+    told: Told = lambda t: None, tables: Mapping[str, Pairs] | None = None,
+) -> Trajectory:  # fmt: skip
+    """Integrate from the equilibrium, and keep all samples.
+
+    Parameters
+    ----------
+    library, p, at, t_end, rate, method, rtol, tables
+        See ``Integration``.
+    told
+        Called with the simulated time now and then.
+
+    Returns
+    -------
+    Trajectory
+        A failure is a status in it, and what was computed until then is kept.
+    """
+    kept: list[Block] = []
+    options: dict[str, Any] = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "tables": tables}
+    outcome = Integration(library, p, at, **options).proceed(lambda block, points: kept.append(block), told)
+    return Trajectory(**vars(outcome), **vars(join(kept)))

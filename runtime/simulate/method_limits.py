@@ -1,0 +1,188 @@
+"""Refuse, before anything is integrated, what a method cannot finish, or not within the hour."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+from numpy.typing import NDArray
+
+from ..linear.modes import find_modes
+from ..linear.system import linearise
+from ..model.equilibrium import Equilibrium, closed, inertias, state_matrix
+from ..model.library import Library
+from ..model.load_tables import Pairs
+from ..model.phase_wrapping import TURN, Clocks
+from ..model.vibration_scale import vibration_scale
+from .choose_method import SEGMENT, SHORTEST, reckon, step_operations
+from .driver import LONGEST as LONGEST_ARC
+from .methods.segment_methods import EXPLICIT
+from .sampling_rate import reference_speed
+
+Vector = NDArray[np.float64]
+Motion = tuple[float, str]
+REACH = 3.5
+"""Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Tsitouras is stable."""
+MOST_STEPS = 1e9
+"""Steps above which a run is refused: minutes for the smallest scenes, hours for large ones."""
+STIFFEST = 5e4
+"""Fastest over slowest motion beyond which Adams is refused: held at its bound of stability for so long, it was seen
+to err 1e4 times its tolerance (hard case ``tiny-inertia``)."""
+SPEED = 1e9
+"""Operations a second that a run is reckoned with (measured on the rig and its stages: 1.0e9 to 1.8e9)."""
+LONGEST = 3600.0
+"""Seconds, so reckoned, above which a run must be asked for."""
+DENSEST = 10.0
+"""Steps a radian of the fastest motion that no run takes: where even these are quick, nothing is looked at closer."""
+POINTS = 4
+"""Points at which outputs are read, to a sample (measured on the rig: three)."""
+LEG = 3e5
+"""Operations in the time between two legs: a knot of a table, a whole turn of the reference (measured: 0.3 ms)."""
+BOUND = 3.0
+"""Steps over those that accuracy or the longest segments call for, above which another cause is told."""
+ASKED = "--long, or long=True in Python, begins it all the same"
+
+
+@dataclass(frozen=True)
+class Work:
+    """One part of what a run takes: operations, what they come from, and what makes fewer of them."""
+
+    operations: float
+    cause: str
+    cure: str
+
+
+def check_run(
+    library: Library, at: Equilibrium, p: Vector, *, method: str, rtol: float, t_end: float, rate: float,
+    tables: Mapping[str, Pairs] | None, long: bool,
+) -> None:  # fmt: skip
+    """Refuse a run that would take more than about an hour, unless it is asked for (``long``).
+
+    The estimate counts operations, so it is the same on every machine. It bounds what is foreseen only: steps of BDF,
+    which undamped fast motions may hold at much shorter ones, and contacts that chatter are not.
+
+    Raises
+    ------
+    LtcgearError
+        It names what takes so long (body, mesh, samples, table) and the cure.
+    """
+    motion = _fastest(library, at, p)
+    if method in EXPLICIT:
+        _check_steps(library, at, p, method, t_end, motion, np.inf if long else MOST_STEPS, f"; {ASKED}")
+    if long:
+        return
+    parts = [
+        *_teeth_work(library, at, p, method, t_end, tables), _sample_work(library, t_end, rate),
+        *_table_work(tables), *_step_work(library, at, p, method, rtol, t_end, tables, motion),
+    ]  # fmt: skip
+    hours = sum(part.operations for part in parts) / SPEED / 3600
+    if hours * 3600 > LONGEST:
+        worst = max(parts, key=lambda part: part.operations)
+        raise LtcgearError(
+            f"the run would take about {hours:.2g} hours, most of them for {worst.cause}; {worst.cure}; {ASKED}"
+        )
+
+
+def check_explicit(library: Library, at: Equilibrium, p: Vector, method: str, t_end: float) -> None:
+    """Refuse a run that one fast motion takes from an explicit method: too many steps, or too many for Adams.
+
+    Raises
+    ------
+    LtcgearError
+        It names the body and the cure.
+    """
+    _check_steps(library, at, p, method, t_end, _fastest(library, at, p), MOST_STEPS, "")
+
+
+def _check_steps(
+    library: Library, at: Equilibrium, p: Vector, method: str, t_end: float, motion: Motion, most: float, asked: str
+) -> None:
+    """Refuse more steps than ``most``, and how they may be asked for."""
+    speed, body = motion
+    slowest = _slowest(library, at, p) if method == "adams" else np.inf
+    if speed > STIFFEST * slowest:
+        raise LtcgearError(
+            f"adams is not for stiff models: {body} swings at {speed:.1e} rad/s, {speed / slowest:.0e} times as fast "
+            "as the slowest motion; use --method rosenbrock or cvodes"
+        )
+    steps = t_end * speed / REACH
+    if steps > most:
+        raise LtcgearError(
+            f"{method} would need about {steps:.0e} steps: {body} swings at {speed:.1e} rad/s; "
+            f"use --method rosenbrock, give {body.split()[0]} more inertia or softer springs, or simulate less time"
+            f"{asked}"
+        )
+
+
+def _teeth_work(
+    library: Library, at: Equilibrium, p: Vector, method: str, t_end: float, tables: Mapping[str, Pairs] | None
+) -> list[Work]:
+    """Return the work of teeth that come and go, and of whole turns that are taken off the reference angle."""
+    levels, speed = library.manifest.levels, reference_speed(library, at, p, tables)
+    turns = t_end * speed / TURN
+    found = [Work(LEG * turns, f"{turns:.1e} turns of the reference", "lower its speed or simulate less time")]
+    rates = {name: abs(float(course.advance)) for name, course in Clocks(library.manifest, p).by_mesh.items()}
+    if levels and rates:
+        fastest = max(rates, key=lambda mesh: rates[mesh])
+        frequency = speed * rates[fastest] / TURN
+        switchings = 2 * len(levels) * frequency * t_end
+        cause = f"{switchings:.1e} switchings of stiffness: the teeth of {fastest} mesh {frequency:.3g} times a second"
+        found.append(Work(switchings * _segment(method), cause, "lower the speed or simulate less time"))
+    return found
+
+
+def _sample_work(library: Library, t_end: float, rate: float) -> Work:
+    """Return the work of reading outputs."""
+    samples, manifest = t_end * rate, library.manifest
+    each = manifest.functions["outputs"].operations + 20 * len(manifest.reports)  # with filter and statistics
+    return Work(POINTS * samples * each, f"{samples:.1e} samples", "lower the rate or simulate less time")
+
+
+def _table_work(tables: Mapping[str, Pairs] | None) -> list[Work]:
+    """Return the work of stops at the rows of tables."""
+    rows = {name: len(table) for name, table in (tables or {}).items()}
+    return [Work(LEG * count, f"{count:.1e} rows of {name}", "give fewer rows") for name, count in rows.items()]
+
+
+def _step_work(
+    library: Library, at: Equilibrium, p: Vector, method: str, rtol: float, t_end: float,
+    tables: Mapping[str, Pairs] | None, motion: Motion,
+) -> list[Work]:  # fmt: skip
+    """Return the work of steps for stability and accuracy, and of the segments that they lie in."""
+    costs = dict(zip((True, False), step_operations(library), strict=True))
+    each = costs[method in EXPLICIT]
+    speed, body = motion
+    if DENSEST * speed * t_end * (each + _segment(method)) < SPEED * LONGEST / 4:
+        return []
+    pace, explicit = reckon(library, at, p, rtol, tables, t_end), method in EXPLICIT
+    steps, segments = t_end * (pace.explicit if explicit else pace.stiff), t_end * pace.segments[not explicit]
+    operations = steps * each + segments * _segment(method)
+    # What is above these is held short by the fastest motion, by stability or since segments are.
+    if steps < BOUND * t_end * pace.stiff and steps > BOUND * t_end * speed / (SHORTEST * LONGEST_ARC):
+        return [Work(operations, f"{steps:.1e} steps for accuracy", "take a larger --rtol, or simulate less time")]
+    cure = f"give {body.split()[0]} more inertia or softer springs, or simulate less time"
+    cure = f"use --method rosenbrock, {cure}" if explicit else cure
+    return [Work(operations, f"{steps:.1e} steps: {body} swings at {speed:.1e} rad/s", cure)]
+
+
+def _segment(method: str) -> float:
+    """Return the operations that a segment takes beside its steps."""
+    return SEGMENT.get(method, SEGMENT["rosenbrock"])
+
+
+def _slowest(library: Library, at: Equilibrium, p: Vector) -> float:
+    """Return the smallest natural frequency [rad/s] that is not rigid."""
+    found = (mode.frequency_hz for mode in find_modes(linearise(library, p, at)) if mode.kind != "rigid")
+    return 2 * np.pi * min((hertz for hertz in found if hertz > 0), default=float("inf"))
+
+
+def _fastest(library: Library, at: Equilibrium, p: Vector) -> Motion:
+    """Return the largest modulus [1/s] of an eigenvalue, and the body that this motion moves most."""
+    scale = vibration_scale(library, at, p)
+    matrix = state_matrix(library, at.x, at.s, closed(library, p)) * scale[None, :] / scale[:, None]
+    values, shapes = np.linalg.eig(matrix)
+    top = int(np.abs(values).argmax())
+    shape = np.abs(shapes[:, top] * scale)[library.index(".rate")]
+    energy = inertias(library, p) * shape**2
+    state = library.manifest.states[library.index("")[int(energy.argmax())]]
+    return float(np.abs(values[top])), f"{state.body} ({state.axis})"

@@ -1,0 +1,1 @@
+"""Integrators: each follows one segment of smooth motion."""

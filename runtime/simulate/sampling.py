@@ -1,0 +1,178 @@
+"""Uniform samples of a march and the points of its motion between them, handed on block by block."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.contact_levels import levels_of
+from ..model.phase_wrapping import TURN
+from .driver import March
+
+Vector = NDArray[np.float64]
+
+BLOCK = 2048
+"""Samples from which on a block is handed on."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """Samples that follow each other: times [s], states, levels, load signals, shapes (m,) and (m, ...).
+
+    ``phi`` and ``turns`` are the reference angle [rad] less whole turns and these, ``steps`` the steps that the
+    integrator had made, shapes (m,).
+    """
+
+    time: Vector
+    x: Vector
+    levels: Vector
+    signals: Vector
+    phi: Vector
+    turns: NDArray[np.int64]
+    steps: Vector
+
+    @property
+    def s(self) -> Vector:
+        """Return levels and signals, the functions' second argument, shape (m, l + k)."""
+        return np.hstack([self.levels, self.signals])
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points of the motion that follow each other, and the time that each stands for [s]: see ``native/points.c``.
+
+    What is not listed is that of a ``Block``.
+
+    Attributes
+    ----------
+    weight
+        Shape (m,); sums over it are integrals over time.
+    x
+        States, the reference angle less whole turns, shape (m, n).
+    """
+
+    time: Vector
+    weight: Vector
+    x: Vector
+    levels: Vector
+    signals: Vector
+    turns: NDArray[np.int64]
+
+    @property
+    def s(self) -> Vector:
+        """Return levels and signals, the functions' second argument, shape (m, l + k)."""
+        return np.hstack([self.levels, self.signals]) if self.signals.shape[1] else self.levels
+
+
+Joined = TypeVar("Joined", Block, Points)
+
+
+def join(blocks: list[Joined]) -> Joined:
+    """Join what follows each other."""
+    return type(blocks[0])(**{name: np.concatenate([vars(b)[name] for b in blocks]) for name in vars(blocks[0])})
+
+
+def no_points(march: March) -> Points:
+    """Return no points of a march."""
+    x, levels, signals = (np.zeros((0, size)) for size in (len(march.z), len(march.cells), march.state.n_signals))
+    return Points(np.zeros(0), np.zeros(0), x, levels, signals, np.zeros(0, dtype=np.int64))
+
+
+class Samples:
+    """The uniform samples of a march, at k / rate for k = 0 .. last, and the points between them.
+
+    All samples of a segment are read at once, so that none depends on where a block ends.
+
+    Parameters
+    ----------
+    march
+        The integration; its state is the first sample.
+    last
+        Number of the last sample.
+    rate
+        Samples a second [Hz].
+    push
+        Takes each block, and the points up to its last sample.
+    """
+
+    def __init__(self, march: March, last: int, rate: float, push: Callable[[Block, Points], None]) -> None:
+        self.march, self.last, self.rate, self.push = march, last, rate, push
+        self.done = self.held = 0
+        self.waiting: list[Block] = []
+        self.beyond: list[Points] = []
+        self._wait(np.zeros(1), march.frame.origin[None, :].copy(), levels_of(march.cells)[None, :], np.zeros(1))
+
+    @property
+    def end(self) -> float:
+        """Return the time of the last sample [s]."""
+        return self.last / self.rate
+
+    @property
+    def complete(self) -> bool:
+        """Say whether the last sample is taken."""
+        return self.done > self.last
+
+    def take(self) -> None:
+        """Take what the march has left."""
+        state = self.march.state
+        count, state.filled = state.filled, 0
+        if count:
+            self._wait(*self._left("sample", ("time", "x", "levels", "steps"), count))
+        count, state.pointed = state.pointed, 0
+        if count:
+            time, weight, x, levels = self._left("point", ("time", "weight", "x", "levels"), count)
+            turns = np.full(count, self.march.turns)
+            self.beyond.append(Points(time, weight, x, levels, self.march.signals.over(time), turns))
+            self.held += count
+        if self.held >= BLOCK:
+            self.flush()
+
+    def _left(self, kind: str, names: tuple[str, ...], count: int) -> list[Vector]:
+        """Return copies of what the march has left of a kind."""
+        return [self.march.native.arrays[f"{kind}_{name}"][:count].copy() for name in names]
+
+    def _wait(self, time: Vector, x: Vector, levels: Vector, steps: Vector) -> None:
+        """Keep samples until their block is handed on."""
+        phi, turns = self._turn(x)
+        self.waiting.append(Block(time, x, levels, self.march.signals.over(time), phi, turns, steps))
+        self.done, self.held = self.done + len(time), self.held + len(time)
+
+    def _turn(self, x: Vector) -> tuple[Vector, NDArray[np.int64]]:
+        """Give states the turns that were taken off; return reference angles less these [rad], and these."""
+        march, count = self.march, len(x)
+        phi, turns = np.zeros(count), np.full(count, march.turns)
+        if march.angle >= 0:
+            phi = x[:, march.angle].copy()
+            x[:, march.angle] += TURN * march.turns
+        return phi, turns
+
+    def flush(self) -> None:
+        """Hand on what waits; points beyond the last sample wait for the next one."""
+        if not self.waiting:
+            return
+        block = join(self.waiting)
+        self.waiting, self.held = [], 0
+        self.push(block, self._up_to(float(block.time[-1])))
+
+    def _up_to(self, time: float) -> Points:
+        """Return the points up to a time, and keep the others."""
+        points = join([no_points(self.march), *self.beyond])
+        count = int(np.searchsorted(points.time, time, side="right"))
+        before, after = ({name: value[part] for name, value in vars(points).items()}
+                         for part in (slice(count), slice(count, None)))  # fmt: skip
+        self.beyond = [Points(**{name: value.copy() for name, value in after.items()})]
+        return Points(**before)
+
+    def snapshot(self) -> dict[str, NDArray[np.generic]]:
+        """Return what waits beyond the last sample, and how many samples were handed on."""
+        points = join([no_points(self.march), *self.beyond])
+        return {"samples": np.array(self.done), **{f"beyond.{name}": value for name, value in vars(points).items()}}
+
+    def restore(self, kept: dict[str, NDArray[np.generic]]) -> None:
+        """Go on after samples that were handed on before."""
+        done = int(kept["samples"].item())
+        self.done, self.march.state.done, self.waiting, self.held = done, done, [], 0
+        found: dict[str, Any] = {name[7:]: value for name, value in kept.items() if name.startswith("beyond.")}
+        self.beyond = [Points(**found)]

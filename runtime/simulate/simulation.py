@@ -1,0 +1,258 @@
+"""The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ltcgear.generated.errors import LtcgearError
+
+from ..model.asynchronous_machines import past_breakdown
+from ..model.equilibrium import Equilibrium, Vector, find_equilibrium
+from ..model.function import Kernel
+from ..model.library import Library
+from ..model.load_tables import Pairs
+from ..model.parameter_values import is_number
+from ..model.vibration_scale import LOADED
+from ..results.attributes import to_attributes
+from ..results.dataset import make_dataset
+from ..results.result import Result
+from ..results.rounding import round_statistics
+from ..results.samples import Rows, by_quantity, join_rows
+from ..results.statistics import statistics
+from .choose_method import Choice, choose
+from .energy_balance import energy_residual
+from .integration import Integration, Outcome, check_length
+from .low_pass import BAND, passing_speed
+from .methods.segment_methods import check_method
+from .output_reader import Reader, judge, motion_statistics
+from .room import check_size
+from .sampling_rate import Rate, choose_rate
+from .verify import estimate_accuracy
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+AUTO = "auto"
+"""In place of a method: let ``choose`` take one."""
+DEFAULT_METHOD = AUTO
+DEFAULT_RTOL = 1e-6
+WRONG = 1e-2
+"""Energy missing over the strain energy from which a run is warned about."""
+
+
+def check_options(method: str, rtol: float, t_end: float | None = None, rate: float | None = None) -> None:
+    """Refuse options that no integrator can serve, before anything is computed."""
+    if method != AUTO:
+        check_method(method)
+    if not (is_number(rtol) and 1e-13 <= rtol <= 0.1):
+        raise LtcgearError(f"rtol {_told(rtol)}: must lie between 1e-13 and 0.1")
+    if t_end is not None and not (is_number(t_end) and 0 < t_end < 1e7):
+        raise LtcgearError(f"t_end {_told(t_end)}: must be a time in seconds, greater than zero and below 1e7")
+    if rate is not None and not (is_number(rate) and 0 < rate < np.inf):
+        raise LtcgearError(f"rate {_told(rate)}: must be a number of samples a second, greater than zero")
+
+
+def _told(value: object) -> str:
+    """Return an option as its message tells it."""
+    return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else f"{value!r:.60}"
+
+
+def simulate(
+    library: Library,
+    values: Mapping[str, float],
+    *,
+    t_end: float,
+    rate: float | None = None,
+    method: str = DEFAULT_METHOD,
+    rtol: float = DEFAULT_RTOL,
+    raw: bool = False,
+    attributes: Mapping[str, Any] | None = None,
+    told: Callable[[float], None] = lambda t: None,
+    tables: Mapping[str, Pairs] | None = None,
+    verify: bool = False,
+    long: bool = False,
+) -> Result:
+    """Simulate from the loaded equilibrium, and keep all samples in memory (``record`` writes them to a file).
+
+    Parameters
+    ----------
+    library
+        A built model.
+    values
+        Parameter name -> value in SI.
+    t_end, rate
+        Time to simulate [s] and samples a second [Hz]; without, the rate is chosen from modes and meshes (``rates``).
+    method, rtol
+        Integrator (see ``stepper.METHODS``; ``auto`` chooses one, see ``choice``) and its relative tolerance,
+        which refers to vibrations.
+    raw
+        Keep outputs of the instant, in which what lies above half the rate shows as false lines below it. Else all are
+        band-limited: filtered before they are sampled (``band``).
+    attributes
+        What the result file shall also tell, such as the scene.
+    told
+        Called with the simulated time now and then.
+    tables
+        Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
+    verify
+        Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
+    long
+        Begin a run too that is reckoned to take more than about an hour (``guard``); else it is refused.
+
+    Raises
+    ------
+    SolverError
+        If there is no equilibrium to start from. A failure later on is ``summary["status"]``.
+    LtcgearError
+        If a name, a number or an option is none that the model or the method can take.
+    """
+    check_options(method, rtol, t_end, rate)
+    p = library.parameters(values)
+    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables, long=long)
+    run.follow(told)
+    dataset, summary = run.conclude()
+    if verify:
+        summary |= verified(library, run.p, run.at, summary, **run.settings)
+    dataset.attrs |= to_attributes(attributes, summary)
+    return Result(dataset, summary)
+
+
+class Run:
+    """A simulation in memory, in three steps: it is set up, followed to its end, and concluded.
+
+    The first and the last use CasADi, which serves one thread only; with ``erk`` the one between them does not.
+
+    Parameters that are not listed are those of ``simulate``.
+
+    Parameters
+    ----------
+    p
+        Parameters, shape (n_p,).
+
+    Raises
+    ------
+    SolverError
+        If there is no equilibrium to start from.
+    """
+
+    def __init__(
+        self, library: Library, p: Vector, *, t_end: float, rate: float | None, method: str, rtol: float, raw: bool,
+        tables: Mapping[str, Pairs] | None, long: bool = False,
+    ) -> None:  # fmt: skip
+        self.library, self.p, clock = library, p, perf_counter()
+        self.at = find_equilibrium(library, p, tables=tables)
+        self.seconds = {"equilibrium": perf_counter() - clock}
+        choice = choose(library, self.at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
+        sampling = take_rate(library, self.at, p, t_end, rate, tables)
+        check_size(library, t_end * sampling.rate)
+        self.about = list_settings(library, choice, rtol, sampling, raw)
+        self.settings: dict[str, Any] = {
+            "t_end": t_end, "rate": sampling.rate, "method": choice.method, "rtol": rtol, "tables": tables,
+        }  # fmt: skip
+        self.reader, self.rows = Reader(library, p, sampling.rate, t_end, raw), list[Rows]()
+        passing = passing_speed(sampling.rate, raw)
+        self.integration = Integration(library, p, self.at, passing=passing, long=long, **self.settings)
+
+    def follow(self, told: Callable[[float], None]) -> None:
+        """Integrate, and read the outputs."""
+        self.integration.follow(lambda block, points: self.rows.append(self.reader.read(block, points)), told)
+
+    def conclude(self) -> tuple["xr.Dataset", dict[str, Any]]:
+        """Return the data and the summary."""
+        outcome, clock = judge(self.reader, self.integration.conclude()), perf_counter()
+        rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
+        self.rows.clear()  # lest they take their room beside the quantities
+        dataset = make_dataset(self.library, self.p, rows, statistics)
+        outcome.seconds["outputs"] += perf_counter() - clock
+        forces = tell_forces(dataset, static_strain(self.library, self.p, self.at))
+        about = summarise(self.library, self.p, self.at, outcome, forces, self.reader)
+        return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
+
+
+def take_rate(
+    library: Library, at: Equilibrium, p: Vector, t_end: float, rate: float | None, tables: Mapping[str, Pairs] | None
+) -> Rate:
+    """Return the sampling rate [Hz] and why it is taken; LtcgearError where the run is shorter than one sample."""
+    found = choose_rate(library, at, p, tables) if rate is None else Rate(rate, None)
+    check_length(t_end * found.rate)
+    return found
+
+
+def tell_forces(dataset: "xr.Dataset", strain: float) -> dict[str, Any]:
+    """Return statistics of the mesh forces along the motion, rounding told as 0; none of a run that did not end.
+
+    ``strain`` is the energy that the loaded equilibrium stores [J].
+    """
+    if "mesh_force" not in dataset or "statistics" not in dataset:
+        return {}
+    found = statistics(dataset, dataset["statistics"].attrs["from_s"])
+    return round_statistics(found, dataset.assign_attrs(static_strain_j=strain))
+
+
+def verified(
+    library: Library,
+    p: Vector,
+    at: Equilibrium,
+    summary: Mapping[str, Any],
+    **settings: Any,  # noqa: ANN401
+) -> dict[str, Any]:
+    """Return the accuracy of a run, and its seconds with those that this took."""
+    clock = perf_counter()
+    if summary["status"] != "done":
+        accuracy: dict[str, Any] = {"meshes": {}, "worst": None, "reason": "the run did not reach its end"}
+    else:
+        accuracy = estimate_accuracy(library, p, at, **settings)
+    return {"accuracy": accuracy, "seconds": summary["seconds"] | {"verify": perf_counter() - clock}}
+
+
+def list_settings(library: Library, choice: Choice, rtol: float, sampling: Rate, raw: bool) -> dict[str, Any]:
+    """Return how a run is computed and sampled; a raw one has no band."""
+    told = {"method": choice.method, "why": choice.why, "engine": library.engine, "rtol": rtol}
+    told |= {"rate_hz": sampling.rate, "why_rate": sampling.why}
+    return told if raw else told | {"band_hz": BAND * sampling.rate}
+
+
+def static_strain(library: Library, p: Vector, at: Equilibrium) -> float:
+    """Return the strain energy of the loaded equilibrium [J]."""
+    return float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
+
+
+def summarise(
+    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any], reader: Reader
+) -> dict[str, Any]:
+    """Return how an integration went, what it is worth, and the forces it found."""
+    strain = static_strain(library, p, at)
+    residual = energy_residual(library, p, at, outcome)
+    told = [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())]
+    told += [*reader.teeth.strained(reader.deepest), *past_breakdown(library, *outcome.last)]
+    return {
+        "status": outcome.status,
+        "simulated_s": outcome.end,
+        "real_time_factor": outcome.end / outcome.seconds["integrate"],
+        "counts": asdict(outcome.counts) | {"expected_events": outcome.expected_events},
+        "energy_residual": residual,
+        "static_strain_j": strain,
+        "forces": forces,
+        "warnings": told,
+    }
+
+
+def _open_balance(residual: float) -> list[str]:
+    """Say that a run's energy does not add up, so that its forces are not to be trusted."""
+    if abs(residual) < WRONG:
+        return []
+    open_by = f"the energy balance is open by {abs(residual):.1e} of the strain energy"
+    return [f"{open_by}; lower --rtol or try another --method"]
+
+
+def _pulling(library: Library, outcome: Outcome) -> list[str]:
+    """Say which meshes pull at some time: their teeth would part, which a bilateral mesh does not know."""
+    columns = by_quantity(library)
+    if "mesh_contact" in columns or "mesh_force" not in columns:
+        return []
+    meshes = [library.manifest.reports[i].item for i in columns["mesh_force"]]
+    found = zip(meshes, outcome.extremes.lowest, strict=True)
+    text = "{}: pulls with up to {:.4g} N, where teeth would part; set effects.contact to one-flank or backlash"
+    return [text.format(mesh, -force) for mesh, force in found if force < 0]

@@ -1,0 +1,133 @@
+"""Course: a run from the equilibrium kept arc by arc, with what was held in each and what ended it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from ltcgear.generated.contract import HELD
+from ltcgear.generated.errors import SolverError
+from numpy.typing import NDArray
+
+from ...model.equilibrium import Equilibrium
+from ...model.library import Library
+from ...model.load_tables import Pairs, Signals
+from ...simulate.dense_output import Chebyshev
+from ...simulate.driver import March
+from ...simulate.failure import explain
+from ...simulate.method_limits import check_explicit
+from ...simulate.methods.segment_methods import EXPLICIT
+
+Vector = NDArray[np.float64]
+Cells = NDArray[np.int64]
+Sides = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A smooth piece of a run.
+
+    Attributes
+    ----------
+    start, duration
+        Its first instant and how long it is [s].
+    x
+        States at the nodes, shape (nodes, n); whole turns are taken off the reference angle.
+    s, slope
+        Levels and load signals at its start; rates of the signals [1/s].
+    p
+        Parameters: those of the run with the turns that were taken off and the sides that are held.
+    cells, sides
+        Cells of the mesh phases, and sides of the borders.
+    crossed
+        Per mesh the cell that is entered at its end less that which is left: 0, 1 or -1.
+    """
+
+    start: float
+    duration: float
+    x: Vector
+    s: Vector
+    slope: Vector
+    p: Vector
+    cells: Cells
+    sides: Sides
+    crossed: Cells
+
+    def s_at(self, time: float) -> Vector:
+        """Return levels and signals at a time [s] after its start."""
+        s = self.s.copy()
+        if len(self.slope):
+            s[-len(self.slope) :] += self.slope * time
+        return s
+
+
+@dataclass(frozen=True)
+class Course:
+    """A run as pieces of smooth motion.
+
+    Attributes
+    ----------
+    library, p, at
+        The model, its parameters, and the equilibrium where the run begins.
+    nodes
+        The nodes of every piece, in its own time 0..1.
+    scale
+        Sizes of vibrations of the states.
+    pieces
+        The pieces, in order.
+    """
+
+    library: Library
+    p: Vector
+    at: Equilibrium
+    nodes: Chebyshev
+    scale: Vector
+    pieces: list[Piece]
+
+
+def follow_course(
+    library: Library, p: Vector, at: Equilibrium, *, t_end: float, method: str, rtol: float,
+    tables: Mapping[str, Pairs] | None = None,
+) -> Course:  # fmt: skip
+    """Integrate from the equilibrium and keep every arc.
+
+    Parameters
+    ----------
+    library, p, at, t_end, method, rtol, tables
+        See ``Integration``.
+
+    Raises
+    ------
+    SolverError
+        If the run does not reach its end.
+    """
+    if method in EXPLICIT:
+        check_explicit(library, at, p, method, t_end)
+    signals = Signals(library.manifest.signals, tables or {})
+    march = March(library, p, at, method, rtol, 1, 1 / t_end, signals, dense=True)
+    assert isinstance(march.nodes, Chebyshev)
+    pieces: list[Piece] = []
+    while march.state.done <= march.state.last:
+        start, segments = march.time, march.state.segments
+        try:
+            march.proceed(segments=1)
+        except RuntimeError as error:
+            reason = explain(march) or str(error).strip().splitlines()[-1]
+            raise SolverError(f"{method} stopped at t = {march.time:.6g} s (rtol {rtol:g}): {reason}") from error
+        march.state.filled = 0
+        if march.state.segments > segments:
+            pieces.append(_piece(march, start))
+    return Course(library, p, at, march.nodes, march.frame.scale, pieces)
+
+
+def _piece(march: March, start: float) -> Piece:
+    """Keep the arc that the march has just been through."""
+    arrays: dict[str, Any] = march.native.arrays
+    sides, cells = arrays["arc_sides"].copy(), arrays["arc_cells"].copy()
+    p = march.p.copy()
+    p[march.regimes.index] = np.where(sides, HELD, -HELD)
+    x = march.frame.origin + march.frame.scale * arrays["path"]
+    return Piece(
+        start, float(march.state.reached), x, arrays["s"].copy(), arrays["slope"].copy(), p, cells, sides,
+        march.cells - cells,
+    )  # fmt: skip

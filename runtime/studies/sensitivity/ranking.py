@@ -1,0 +1,96 @@
+"""Ranking: derivatives with respect to all parameters as rows, the strongest first."""
+
+from dataclasses import dataclass
+from math import isnan
+from typing import Any
+
+import numpy as np
+from ltcgear.generated.contract import Manifest
+from numpy.typing import NDArray
+
+from ...model.parameter_bounds import is_continuous
+from ...model.ties import order_by_size
+
+Vector = NDArray[np.float64]
+GEOMETRY = (
+    "base_radius_1", "base_radius_2", "center_distance", "path_middle", "x_0", "y_0", "e_x", "e_y", "phase",
+    "rolled_phase", "turned", "opened", "static_moment_x", "static_moment_y",
+)  # fmt: skip
+"""Last parts of names of what teeth and module tie to each other, and of what says where something is."""
+
+
+@dataclass(frozen=True)
+class Influence:
+    """What one parameter does to a number.
+
+    Attributes
+    ----------
+    parameter, value, unit
+        Name, value in SI, SI unit.
+    kind
+        ``size``: something that can be chosen by itself, a stiffness, a mass, a load; or ``geometry``: a radius, which
+        is tied to others by the teeth, a place, an angle or a phase.
+    derivative
+        Change of the number over that of the parameter, SI.
+    relative
+        Change in percent for one percent of the parameter; None where either is zero.
+    beside
+        Derivatives of other numbers by name, times the parameter for a size (change for 100 %).
+    """
+
+    parameter: str
+    value: float
+    unit: str
+    kind: str
+    derivative: float
+    relative: float | None
+    beside: dict[str, float]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return it as plain values."""
+        return vars(self) | {"beside": dict(self.beside)}
+
+
+def is_size(name: str, unit: str, value: float) -> bool:
+    """Tell whether a parameter is a size that can be chosen by itself: no place, angle or phase."""
+    return value != 0 and unit != "rad" and name.rsplit(".", 1)[-1] not in GEOMETRY
+
+
+def list_influences(
+    manifest: Manifest, p: Vector, number: float, derivative: Vector, beside: dict[str, Vector] | None = None
+) -> list[Influence]:
+    """List what all parameters do to a number: sizes first, then geometry by its unit, the strongest first.
+
+    Parameters
+    ----------
+    manifest, p
+        The model's parameters and their values.
+    number, derivative
+        The number, and its derivatives with respect to all parameters, shape (n_p,); NaN for those without one,
+        which stand last.
+    beside
+        Derivatives of other numbers, by name.
+    """
+    found = []
+    for i, (name, unit) in enumerate(manifest.parameters):
+        if not is_continuous(name):
+            continue
+        value, slope = float(p[i]), float(derivative[i])
+        size = is_size(name, unit, value)
+        relative = slope * value / number if value and number else None
+        others = {key: float(each[i]) * (value if size else 1.0) for key, each in (beside or {}).items()}
+        found.append(Influence(name, value, unit, "size" if size else "geometry", slope, relative, others))
+    return _strongest_first(found)
+
+
+def _strongest_first(found: list[Influence]) -> list[Influence]:
+    """Return influences by kind and unit, those without derivative last, and the strongest of each first."""
+    groups: dict[tuple[bool, bool, str], list[Influence]] = {}
+    for item in found:
+        size = item.kind == "size"
+        groups.setdefault((not size, isnan(item.derivative), "" if size else item.unit), []).append(item)
+    ordered = []
+    for _, group in sorted(groups.items(), key=lambda entry: entry[0]):
+        strengths = [abs(item.derivative * (item.value if item.kind == "size" else 1.0)) for item in group]
+        ordered += [group[k] for k in order_by_size(strengths, [item.parameter for item in group])]
+    return ordered

@@ -1,0 +1,225 @@
+"""Run: a sweep from its axes to its file, stage by stage: axes -> design -> models -> store -> rows -> file."""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from importlib.metadata import version
+from math import isfinite
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from ltcgear.generated.errors import LtcgearError
+
+from ...results.attributes import to_attributes
+from ...results.row_file import part_of
+from ...simulate.integration import check_length
+from ...simulate.low_pass import BAND
+from ...simulate.simulation import DEFAULT_METHOD, DEFAULT_RTOL, check_options
+from .axes import read_axes
+from .design import Design, draw_design
+from .execution import Pool, Processes, check_joblib
+from .filling import SKIPPED, fill
+from .metrics import find_metric
+from .planning import Told, check_points, choose_common_rate, make_plan
+from .summary import summarise
+from .sweep_file import Store, check_store, load_sweep
+from .sweep_reading import design_of
+from .task import Maker, Outcome, Plan
+
+MOST_WORKERS = 1024
+
+
+def sweep(
+    maker: Maker,
+    vary: Sequence[str],
+    target: str | Path,
+    *,
+    sample: str = "grid",
+    points: int | None = None,
+    seed: int = 0,
+    metrics: Sequence[str] | None = None,
+    t_end: float | None = None,
+    rate: float | None = None,
+    method: str = DEFAULT_METHOD,
+    rtol: float = DEFAULT_RTOL,
+    raw: bool = False,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    retry: bool = False,
+    skip: Sequence[int] = (),
+    long: bool = False,
+    told: Told = lambda stage, done, total, failed: None,
+) -> dict[str, Any]:
+    """Simulate a scene at many points and keep metrics of each, one row a point, in a NetCDF4 file.
+
+    Rows go to ``NAME.part.nc`` as they come. Where the sweep was stopped or killed, the same call goes on and
+    computes what is missing; the file is the same to the last bit. A point that fails is a row with its reason; where
+    the machine fails the sweep stops.
+
+    Parameters
+    ----------
+    maker
+        The scene, read once: ``ltcgear.symbolic.Template("lsp")``.
+    vary
+        Axes as after ``--vary``: ``KEY=a:b:n``, ``KEY=a:b`` or ``KEY=v1,v2,v3``.
+    target
+        The file, ``NAME.nc``.
+    sample, points, seed
+        How points are drawn: grid, lhs, sobol, normal or saltelli; how many; seed of the random numbers.
+    metrics
+        What is kept of each run; forces, and load shares where meshes share a load, where left out.
+    t_end, rate
+        Time to simulate [s] and samples a second [Hz]; those of the scene where left out.
+    method, rtol, raw
+        As for ``simulate``; raw spectra of what jumps have high harmonics folded into them.
+    workers
+        Processes, as many as there are cores where left out; with 1 this process computes.
+    scheduler
+        Address of a Dask scheduler whose workers compute, in place of processes; it and its network are trusted.
+    retry
+        Whether points that failed before are computed again.
+    skip
+        Numbers of points that are left out: rows that say so, as of those that failed.
+    long
+        Begin runs too that are reckoned to take more than an hour; else they are points that fail.
+    told
+        Called with a stage (``build`` or ``simulate``), how much of it is done, its total, and failed points so far.
+
+    Returns
+    -------
+    dict
+        The summary: counts of points, reasons of those that failed, seconds.
+
+    Raises
+    ------
+    LtcgearError
+        If anything is wrong, before anything is computed: a key, a range, a metric, the scheduler, or a file there
+        that is of another sweep.
+    MachineError
+        If the machine fails: no compiler, store, disk or memory, or processes that are killed; what was computed is
+        kept.
+    KeyboardInterrupt
+        At Ctrl-C; what was computed is kept.
+    """
+    clock, target = perf_counter(), Path(target)
+    check_joblib()
+    check_options(method, rtol, t_end)
+    check_store(target)
+    for name in metrics or ():
+        find_metric(name)
+    design = draw_design(read_axes(vary), sample, points, seed)
+    _check_skip(skip, design)
+    taken = check_points(maker, design)
+    ends = [dict(changes) for changes in taken]
+    end, samples = maker.times(ends[0])
+    settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "method": method, "rtol": rtol, "raw": raw}
+    settings["long"] = long
+    given = samples if rate is None else rate
+    settings["rate"] = choose_common_rate(maker, ends) if given is None else given
+    _check_rate(settings["rate"])
+    check_length(settings["t_end"] * settings["rate"])
+    with _open_pool(workers, scheduler, design.size) as pool:
+        plan = make_plan(maker, design, taken, metrics, settings, told)
+        seconds = {"prepare": perf_counter() - clock}
+        clock = perf_counter()
+        with Store(target, design, plan.form, describe_sweep(plan), _attributes(plan), retry) as store:
+            kept, left_out = len(store.done), set(skip) - store.done
+            for point in sorted(left_out):
+                store.add(Outcome(point, SKIPPED))
+            fill(plan, store, pool, told)
+            seconds["simulate"] = perf_counter() - clock
+            store.seal()
+    counts = {"computed": design.size - kept - len(left_out), "kept": kept, "workers": pool.workers}
+    return tell_sweep(target, maker, counts, seconds)
+
+
+def _check_skip(skip: Sequence[int], design: Design) -> None:
+    """Refuse points to be left out that there are not."""
+    for point in skip:
+        if not 0 <= point < design.size:
+            raise LtcgearError(f"--skip {point}: no such point; they are numbered from 0 to {design.size - 1}")
+
+
+def _check_rate(rate: float) -> None:
+    """Refuse a rate of samples that is none."""
+    if not (isfinite(rate) and rate > 0):
+        raise LtcgearError(f"rate {rate:g}: must be samples a second [Hz], greater than zero")
+
+
+def describe_sweep(plan: Plan) -> dict[str, Any]:
+    """Return what makes a sweep what it is; two whose descriptions are equal are equal to the last bit."""
+    drawn = plan.design.to_json()
+    axes = {f"axis {axis.key}": _write_axis(axis.to_json()) for axis in plan.design.axes}
+    return {
+        **axes,
+        **{name: drawn[name] for name in ("sample", "points", "seed")},
+        "metrics": ", ".join(plan.metrics),
+        **{name: value for name, value in plan.settings.items() if name != "long"},
+        **plan.maker.entries(),
+        **{f"version of {name}": version(name) for name in _list_packages(plan.design)},
+        "equations": sorted(plan.models),
+        "points as drawn": drawn["digest"],
+    }
+
+
+def _list_packages(design: Design) -> list[str]:
+    """Return the packages on which a sweep's numbers depend."""
+    return ["ltcgear", "casadi", "numpy", "scipy", *(["SALib"] if design.sample == "saltelli" else [])]
+
+
+def _write_axis(axis: Mapping[str, Any]) -> str:
+    """Return an axis as one writes it."""
+    if axis["items"]:
+        return ",".join(axis["items"])
+    count = "" if axis["count"] is None else f":{axis['count']}"
+    return f"{axis['low']:g}:{axis['high']:g}{count} {axis['unit']}".strip()
+
+
+def _attributes(plan: Plan) -> dict[str, Any]:
+    """Return what the file tells of scene and settings."""
+    told = {name: value for name, value in plan.settings.items() if name not in ("raw", "long")}
+    band = {} if plan.settings["raw"] else {"band_hz": BAND * plan.settings["rate"]}
+    return to_attributes(plan.maker.about(), {**told, **band, "metrics": list(plan.metrics)})
+
+
+@contextmanager
+def _open_pool(workers: int | None, scheduler: str | None, points: int) -> Iterator[Pool]:
+    """Give the pool that computes some points.
+
+    Raises
+    ------
+    LtcgearError
+        If there is no such pool.
+    """
+    if workers is not None and scheduler is not None:
+        raise LtcgearError(f"--workers {workers}: a cluster has its own; leave it out")
+    if workers is not None and not 1 <= workers <= MOST_WORKERS:
+        raise LtcgearError(f"--workers {workers}: must be 1 at least, and {MOST_WORKERS} at most")
+    if scheduler is None:
+        yield Processes(min(workers or len(os.sched_getaffinity(0)), points))
+        return
+    try:
+        from .cluster import connect
+    except ModuleNotFoundError as error:
+        raise LtcgearError("--scheduler needs Dask: pip install 'ltcgear[cluster]'") from error
+    with connect(scheduler) as cluster:
+        yield cluster
+
+
+def tell_sweep(target: Path, maker: Maker, counts: Mapping[str, int], seconds: Mapping[str, float]) -> dict[str, Any]:
+    """Return how a sweep went, and what it says in numbers."""
+    found = load_sweep(target)
+    told = {"scene": maker.name, "file": str(target), **summarise(found), **counts}
+    return told | {"notes": list(design_of(found).notes), "seconds": dict(seconds)}
+
+
+def tell_kept(target: Path) -> str:
+    """Say what a sweep that was stopped has left, and what the same command then does."""
+    part = part_of(target)
+    if target.exists():
+        return f"{target} has all rows"
+    with suppress(LtcgearError):  # of a damaged one the same command tells
+        if part.exists() and load_sweep(part).sizes["point"]:
+            return f"rows are kept in {part}, the same command goes on"
+    return "no row was there yet; the same command begins anew"

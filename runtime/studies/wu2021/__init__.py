@@ -1,0 +1,1 @@
+"""Wu et al. 2021: what its 2 MW rig shows beside what was printed."""

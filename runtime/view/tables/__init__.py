@@ -1,0 +1,1 @@
+"""Tables, as terminals print them and files keep them."""

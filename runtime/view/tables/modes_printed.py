@@ -1,0 +1,50 @@
+"""What the commands of small motions print for people."""
+
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+
+from ...linear.naming import sum_by
+from ...model.topology import label
+from ...results.terminal import Terminal, plain, say
+
+Data = dict[str, Any]
+MOST = 2
+"""Members that are told of each mode."""
+
+
+def modes(data: Data) -> None:
+    """Print eigenfrequencies and what moves; planets of a stage together. JSON and CSV tell the shares of all."""
+    title = f"Eigenfrequencies at the loaded equilibrium, meshes {data['meshes']}"
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    for heading in ("", "Hz", "damping"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for heading in ("class", "what it is", "kinetic energy"):
+        table.add_column(heading, overflow="fold")
+    for k, item in enumerate(data["modes"], start=1):
+        table.add_row(*_row(k, item))
+    console = Terminal()
+    console.print(table)
+    if data["lowest"] and len(data["modes"]) < data["freedoms"]:
+        console.print(f"the lowest {len(data['modes'])} of {data['freedoms']} freedoms' modes; --count N lists more")
+    for file in data.get("files", []):
+        say(f"wrote {file}")
+
+
+def _row(k: int, item: Data) -> tuple[str, ...]:
+    """Return the cells of one mode."""
+    return (
+        str(k),
+        f"{item['frequency_hz']:.2f}",
+        f"{round(item['damping_ratio'], 4) + 0.0:.2%}",
+        item["class"] + (f" x{item['multiplicity']}" if item["multiplicity"] > 1 else ""),
+        plain(item["name"]),
+        plain(_largest(sum_by(item["members"], label))),
+    )
+
+
+def _largest(shares: dict[str, float]) -> str:
+    """Write the largest shares."""
+    some = [(name, share) for name, share in shares.items() if share > 0.005]
+    return ", ".join(f"{name} {share:.0%}" for name, share in some[:MOST])
