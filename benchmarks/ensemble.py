@@ -15,7 +15,7 @@ from typing import Any
 
 from ltcgear.generated import folders
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.simulate.ensemble import simulate_many
+from ltcgear.runtime.simulation.ensemble import simulate_many
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain

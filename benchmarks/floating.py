@@ -9,7 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.view.plots import BLUE, ORANGE
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain

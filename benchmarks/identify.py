@@ -22,7 +22,7 @@ from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.results.statistics import group_of
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.table9 import tell_loads
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain

@@ -12,8 +12,8 @@ import numpy as np
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.model.phase_wrapping import Clocks
-from ltcgear.runtime.simulate.integration import Trajectory, integrate
-from ltcgear.runtime.simulate.output_reader import outputs_of
+from ltcgear.runtime.simulation.integration import Trajectory, integrate
+from ltcgear.runtime.simulation.output_reader import outputs_of
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

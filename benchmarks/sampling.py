@@ -10,8 +10,8 @@ from time import thread_time
 
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.simulate.integration import Integration
-from ltcgear.runtime.simulate.simulation import Run
+from ltcgear.runtime.simulation.integration import Integration
+from ltcgear.runtime.simulation.simulate import Run
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain
 from ltcgear.symbolic.scene import load_scene

@@ -14,7 +14,7 @@ from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Vector
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulate.integration import integrate
+from ltcgear.runtime.simulation.integration import integrate
 from ltcgear.runtime.view.plots import BLUE, GREY, ORANGE, SKY
 from ltcgear.symbolic import gears
 from ltcgear.symbolic.build import build_model

@@ -11,7 +11,7 @@ from ltcgear.runtime.cli.command_page import write_commands
 from ltcgear.runtime.export.plain_c.data import Run, write_data
 from ltcgear.runtime.export.plain_c.kit import write_kit
 from ltcgear.runtime.model.library import Library
-from ltcgear.runtime.simulate.sampling_rate import find_rate
+from ltcgear.runtime.simulation.sampling_rate import find_rate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.effect_page import write_effects
 from ltcgear.symbolic.pipeline import generate

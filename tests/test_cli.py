@@ -14,7 +14,7 @@ from ltcgear.generated import store as generated_store
 from ltcgear.generated import writing
 from ltcgear.runtime.cli import commands
 from ltcgear.runtime.model import cstruct, library
-from ltcgear.runtime.simulate import integration
+from ltcgear.runtime.simulation import integration
 from ltcgear.runtime.view.tables import printed
 from ltcgear.symbolic.scene import shipped_scenes
 

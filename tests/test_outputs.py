@@ -14,7 +14,7 @@ from ltcgear.generated.writing import force
 from ltcgear.runtime.results import row_file
 from ltcgear.runtime.results.result import load
 from ltcgear.runtime.results.row_file import part_of
-from ltcgear.runtime.simulate import recording
+from ltcgear.runtime.simulation import recording
 from ltcgear.symbolic.scene import SHIPPED
 
 RUN = ("--t-end", "0.002")

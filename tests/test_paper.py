@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from benchmarks.identification.posterior import total
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.comparison import compare
 from ltcgear.runtime.studies.wu2021.table9 import FACTOR_AIM, MEAN_AIM, tell_loads
 from ltcgear.runtime.view.wu2021.paper_page import fitted

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.simulate.energy_balance import energy_residual
-from ltcgear.runtime.simulate.integration import integrate
+from ltcgear.runtime.simulation.energy_balance import energy_residual
+from ltcgear.runtime.simulation.integration import integrate
 
 from stages import Stage, pairs, planetaries
 

@@ -13,7 +13,7 @@ import numpy as np
 from ltcgear.generated import store
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import generate
 

@@ -41,7 +41,7 @@ class Choice:
 
 @cache
 def _file() -> dict[str, Any]:
-    source = Path(__file__).parents[1] / "published" / "unknowns.toml"
+    source = Path(comparison.__file__).with_name("published") / "unknowns.toml"
     return tomllib.loads(source.read_text(encoding="utf-8"))
 
 

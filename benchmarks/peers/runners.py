@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from ltcgear.runtime.simulate import integration
+from ltcgear.runtime.simulation import integration
 from numpy.typing import NDArray
 from scipy import integrate
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from ltcgear.runtime import analysis, build, simulate, write_report
+from ltcgear.runtime import analysis, build, simulate, view, write_report
 from ltcgear.symbolic import build_model, describe_scene, generate, load_scene
 
 scene = load_scene("floating-on")
@@ -33,7 +33,7 @@ result = simulate(
 share = analysis.find_load_share(analysis.cut(result.dataset, 0.5, 1.0), "lsp.sun_planet")
 for mesh, mean in zip(share.meshes, share.mean, strict=True):
     print(f"{mesh}: {mean:.3f} of an equal share")
-figure = analysis.draw_shares(share)
+figure = view.draw_shares(share)
 plt.show()
 
 # %%
@@ -53,7 +53,7 @@ spectrum = analysis.find_spectrum(force, window="flattop")
 lines = analysis.name_lines(spectrum, analysis.find_clues(result.dataset), signals=(force,))
 for line in lines[:5]:
     print(f"{line.place:8.1f} Hz  {line.amplitude:8.0f} N  {line.name}")
-figure = analysis.draw_spectrum(spectrum, lines)
+figure = view.draw_spectrum(spectrum, lines)
 plt.show()
 
 # %%

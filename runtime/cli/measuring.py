@@ -43,8 +43,8 @@ def accuracy(
     force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Measure which accuracy every method gives for its time. Exit code 3 where there is no reference to judge by."""
-    from ..simulate.methods.segment_methods import METHODS, check_method
-    from ..simulate.simulation import check_options
+    from ..simulation.methods.segment_methods import METHODS, check_method
+    from ..simulation.simulate import check_options
     from ..studies.accuracy.phases import measure_phases
     from ..studies.accuracy.presets import check_preset
     from ..studies.accuracy.record import keep, write_record

@@ -104,7 +104,7 @@ def read_run(opened: Opened, library: "Library") -> "Run":
 
 def rate_of(opened: Opened, library: "Library") -> float:
     """Return the sampling rate [Hz] that a scene gives, or that is chosen for it."""
-    from ..simulate.sampling_rate import find_rate
+    from ..simulation.sampling_rate import find_rate
 
     return find_rate(library, opened.model.values(), opened.model.tables, opened.scene.simulation.rate).rate
 

@@ -40,7 +40,7 @@ def paper(
 ) -> None:
     """Reproduce the paper: its tables and figures beside the simulated ones, on one page (paper.html)."""
     from ..results.result import load
-    from ..simulate.simulation import check_options
+    from ..simulation.simulate import check_options
     from ..studies.wu2021.comparison import compare
     from ..view.plots import overview_figure, paper_figures
     from ..view.wu2021.paper_page import check_page
@@ -136,7 +136,7 @@ def _shares(scene: str) -> list[float]:
 
 def _simulate(scene: str, changes: list[str] | None, t_end: float) -> "Result":
     """Simulate a scene in memory."""
-    from ..simulate.simulation import simulate
+    from ..simulation.simulate import simulate
 
     opened = open_scene(scene, changes)
     result = simulate(

@@ -67,7 +67,7 @@ def finished(summary: dict[str, Any]) -> None:
 
 def _check_result(output: Path | None, resume: bool, *sources: Path | str | None) -> None:
     """Refuse a result file that cannot be written or gone on with, before anything is computed."""
-    from ..simulate.recording import check_recordable
+    from ..simulation.recording import check_recordable
 
     if output is not None:
         check_recordable(output, resume, *sources)
@@ -90,9 +90,9 @@ def run(
     long: bool = False,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
-    from ..simulate.recording import record
-    from ..simulate.simulation import check_options
-    from ..simulate.simulation import simulate as simulate_model
+    from ..simulation.recording import record
+    from ..simulation.simulate import check_options
+    from ..simulation.simulate import simulate as simulate_model
 
     check_options(method, rtol, t_end)
     _check_result(output, resume, scene, record_file)
@@ -139,7 +139,7 @@ def cost(
     as_json: AsJson = False,
 ) -> None:
     """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
-    from ..simulate.simulation import check_options
+    from ..simulation.simulate import check_options
     from ..studies.cost import ROUNDS, measure_costs
     from ..view.figures.cost_figures import check_figure, draw_costs
 

@@ -18,7 +18,7 @@ from ..model.load_tables import Pairs
 from ..model.vibration_scale import LOADED
 from ..results.result import Result
 from ..results.statistics import group_of, stage_of, statistics, steady_start, window
-from ..simulate.simulation import simulate
+from ..simulation.simulate import simulate
 
 if TYPE_CHECKING:
     import xarray as xr

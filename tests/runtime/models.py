@@ -9,7 +9,7 @@ import numpy as np
 from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulate.integration import Trajectory, integrate
+from ltcgear.runtime.simulation.integration import Trajectory, integrate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.model import Model
 from ltcgear.symbolic.pipeline import obtain

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import xarray as xr
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.sweep.design import Design
 from ltcgear.runtime.studies.sweep.metrics import measure
 

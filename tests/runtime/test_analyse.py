@@ -8,16 +8,12 @@ import numpy as np
 import pytest
 from ltcgear.runtime.analysis import (
     analyse,
-    draw_bearings,
-    draw_spectrum,
-    draw_survey,
     find_density,
     find_load_share,
     find_orbit,
     find_order_spectrum,
     find_transmission_error,
     find_waterfall,
-    list_tables,
     mesh_courses,
     name_lines,
     select_output,
@@ -28,7 +24,8 @@ from ltcgear.runtime.analysis.survey import Options
 from ltcgear.runtime.cli import opening
 from ltcgear.runtime.cli.opening import restore_modes
 from ltcgear.runtime.cli.reporting import find_background
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
+from ltcgear.runtime.view import draw_bearings, draw_spectrum, draw_survey, list_tables
 from ltcgear.runtime.view.figures.drawing import pool, scale_of, thin
 from ltcgear.runtime.view.plots import save_figure
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.results.amplitude_spectrum import amplitude_spectrum, strongest_lines
-from ltcgear.runtime.simulate.low_pass import ATTENUATION, BAND, FINE, REACH, BandFilter, filter_table, response
-from ltcgear.runtime.simulate.quadrature import FILTERED, MOST, MOTION, lobatto_rules
+from ltcgear.runtime.simulation.low_pass import ATTENUATION, BAND, FINE, REACH, BandFilter, filter_table, response
+from ltcgear.runtime.simulation.quadrature import FILTERED, MOST, MOTION, lobatto_rules
 from scipy.signal import firwin, freqz, kaiser_beta
 
 RATE = 8192.0

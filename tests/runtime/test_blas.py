@@ -7,7 +7,7 @@ import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model import blas
 from ltcgear.runtime.model.blas import SingleThreaded
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 
 from .models import case
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.simulate.choose_method import (
+from ltcgear.runtime.simulation.choose_method import (
     GROWTH,
     SEGMENT,
     TIMES,
@@ -13,8 +13,8 @@ from ltcgear.runtime.simulate.choose_method import (
     stability_rate,
     step_operations,
 )
-from ltcgear.runtime.simulate.duty import list_duty
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.duty import list_duty
+from ltcgear.runtime.simulation.simulate import simulate
 
 from . import butcher, exact
 from .models import case

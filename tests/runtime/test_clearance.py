@@ -11,7 +11,7 @@ from ltcgear.runtime.model.continuation import follow
 from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulate.energy_balance import energy_residual
+from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model

@@ -10,7 +10,7 @@ from ltcgear.generated import store
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.vibration_scale import fastest, vibration_scale
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.effects import DEFAULTS
 from ltcgear.symbolic.pipeline import obtain

@@ -7,7 +7,7 @@ import pytest
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.equilibrium import _newton
-from ltcgear.runtime.simulate.energy_balance import energy_residual
+from ltcgear.runtime.simulation.energy_balance import energy_residual
 
 from reference.hand_profiles import smooth_levels
 

@@ -16,9 +16,9 @@ from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
 from ltcgear.runtime.model.rows import Batch, over_time
-from ltcgear.runtime.simulate import ensemble
-from ltcgear.runtime.simulate.output_reader import outputs_of
-from ltcgear.runtime.simulate.simulation import Run, simulate
+from ltcgear.runtime.simulation import ensemble
+from ltcgear.runtime.simulation.output_reader import outputs_of
+from ltcgear.runtime.simulation.simulate import Run, simulate
 
 from .models import case
 from .test_long_runs import QUICK

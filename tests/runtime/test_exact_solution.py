@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.simulate.matrix_exponential import Exact
+from ltcgear.runtime.simulation.matrix_exponential import Exact
 from scipy.linalg import expm
 
 from . import exact

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from ltcgear.runtime.model.load_tables import Signals
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulate.driver import March
-from ltcgear.runtime.simulate.smooth_arc import Arc
+from ltcgear.runtime.simulation.driver import March
+from ltcgear.runtime.simulation.smooth_arc import Arc
 
 from .models import case
 

@@ -9,8 +9,8 @@ from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime.linear.chart import RPM, draw_up
 from ltcgear.runtime.linear.floquet import find_monodromies, find_multipliers, settle
 from ltcgear.runtime.linear.periodic import vary
-from ltcgear.runtime.simulate.integration import integrate
-from ltcgear.runtime.simulate.matrix_exponential import Exact
+from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.matrix_exponential import Exact
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b

@@ -4,11 +4,11 @@ from time import perf_counter
 
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.simulate import method_limits
-from ltcgear.runtime.simulate.ensemble import simulate_many
-from ltcgear.runtime.simulate.methods.segment_methods import METHODS, OPTIONAL
-from ltcgear.runtime.simulate.recording import record
-from ltcgear.runtime.simulate.simulation import AUTO, simulate
+from ltcgear.runtime.simulation import method_limits
+from ltcgear.runtime.simulation.ensemble import simulate_many
+from ltcgear.runtime.simulation.methods.segment_methods import METHODS, OPTIONAL
+from ltcgear.runtime.simulation.recording import record
+from ltcgear.runtime.simulation.simulate import AUTO, simulate
 
 from .models import case
 

@@ -8,9 +8,9 @@ from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model.dynamic_relaxation import relax
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.results.dataset import make_dataset
-from ltcgear.runtime.simulate.integration import integrate
-from ltcgear.runtime.simulate.method_limits import check_explicit
-from ltcgear.runtime.simulate.output_reader import sampled
+from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.method_limits import check_explicit
+from ltcgear.runtime.simulation.output_reader import sampled
 from ltcgear.runtime.studies.selftest import limit_cases, symmetry_cases
 from ltcgear.runtime.studies.selftest.case import Bench
 from ltcgear.symbolic.build import build_model

@@ -12,11 +12,11 @@ from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium, mea
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import Library, build, external
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulate.dense_output import Chebyshev, Uniform
-from ltcgear.runtime.simulate.energy_balance import energy_residual
-from ltcgear.runtime.simulate.integration import integrate
-from ltcgear.runtime.simulate.methods import segment_methods
-from ltcgear.runtime.simulate.methods.segment_methods import METHODS, MULTISTEP
+from ltcgear.runtime.simulation.dense_output import Chebyshev, Uniform
+from ltcgear.runtime.simulation.energy_balance import energy_residual
+from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.methods import segment_methods
+from ltcgear.runtime.simulation.methods.segment_methods import METHODS, MULTISTEP
 from scipy.linalg import expm
 
 from . import exact

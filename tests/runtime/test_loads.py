@@ -11,11 +11,11 @@ from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.load_tables import Signals
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.results.dataset import make_dataset
-from ltcgear.runtime.simulate.energy_balance import energy_residual
-from ltcgear.runtime.simulate.integration import integrate
-from ltcgear.runtime.simulate.methods.segment_methods import METHODS
-from ltcgear.runtime.simulate.output_reader import sampled
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.energy_balance import energy_residual
+from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.methods.segment_methods import METHODS
+from ltcgear.runtime.simulation.output_reader import sampled
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.pipeline import content_key
 
 from .models import case, change, make_case, raw_scene

@@ -8,7 +8,7 @@ from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
 from ltcgear.runtime.model.quantity_names import PHASES
 from ltcgear.runtime.results.dataset import make_dataset
 from ltcgear.runtime.results.statistics import mesh_frequencies
-from ltcgear.runtime.simulate.output_reader import outputs_of, sampled
+from ltcgear.runtime.simulation.output_reader import outputs_of, sampled
 
 from .models import case
 from .variants import GRAVITY

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from ltcgear.runtime.model.cstruct import FAULTS, source
 from ltcgear.runtime.model.load_tables import Signals
-from ltcgear.runtime.simulate.driver import CAPACITY, March
-from ltcgear.runtime.simulate.smooth_arc import Arc
+from ltcgear.runtime.simulation.driver import CAPACITY, March
+from ltcgear.runtime.simulation.smooth_arc import Arc
 
 from .models import case
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model.load_tables import Signals
-from ltcgear.runtime.simulate.driver import LONGEST, March
-from ltcgear.runtime.simulate.methods import segment_methods
-from ltcgear.runtime.simulate.methods.segment_methods import METHODS
-from ltcgear.runtime.simulate.methods.sundials7 import STENCIL, interpolate
-from ltcgear.runtime.simulate.simulation import check_options
+from ltcgear.runtime.simulation.driver import LONGEST, March
+from ltcgear.runtime.simulation.methods import segment_methods
+from ltcgear.runtime.simulation.methods.segment_methods import METHODS
+from ltcgear.runtime.simulation.methods.sundials7 import STENCIL, interpolate
+from ltcgear.runtime.simulation.simulate import check_options
 
 from . import exact
 from .models import case

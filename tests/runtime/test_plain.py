@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.phase_wrapping import TURN
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 
 from .models import MESHES, case
 from .plain import SANITIZERS, TAKER, One, can_sanitize, compiled, execute, forces, library, program, write

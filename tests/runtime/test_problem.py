@@ -10,8 +10,8 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import Library, external
-from ltcgear.runtime.simulate.methods import segment_methods
-from ltcgear.runtime.simulate.methods.c_problem import compiled_problem, layout, problem_c, scaled_problem
+from ltcgear.runtime.simulation.methods import segment_methods
+from ltcgear.runtime.simulation.methods.c_problem import compiled_problem, layout, problem_c, scaled_problem
 
 from .models import case
 from .test_integrate import with_counters

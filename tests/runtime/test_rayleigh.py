@@ -6,7 +6,7 @@ from ltcgear.generated.errors import SceneError
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulate.energy_balance import energy_residual
+from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model

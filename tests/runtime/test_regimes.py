@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from ltcgear.generated.contract import HELD
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.simulate.energy_balance import energy_residual
-from ltcgear.runtime.simulate.methods.segment_methods import METHODS
+from ltcgear.runtime.simulation.energy_balance import energy_residual
+from ltcgear.runtime.simulation.methods.segment_methods import METHODS
 
 from .models import case
 

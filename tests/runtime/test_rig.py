@@ -4,7 +4,7 @@ from functools import cache
 
 import pytest
 from ltcgear.runtime.results.statistics import mesh_frequencies, statistics
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 
 from .models import case
 

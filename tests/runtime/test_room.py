@@ -7,11 +7,11 @@ from collections import namedtuple
 
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.simulate import room
-from ltcgear.runtime.simulate.ensemble import simulate_many
-from ltcgear.runtime.simulate.recording import record
-from ltcgear.runtime.simulate.room import bytes_in_memory, bytes_on_disk
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation import room
+from ltcgear.runtime.simulation.ensemble import simulate_many
+from ltcgear.runtime.simulation.recording import record
+from ltcgear.runtime.simulation.room import bytes_in_memory, bytes_on_disk
+from ltcgear.runtime.simulation.simulate import simulate
 
 from .models import case
 

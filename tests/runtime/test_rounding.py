@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from ltcgear.runtime.analysis import analyse, find_spectrum, list_tables, name_lines
+from ltcgear.runtime.analysis import analyse, find_spectrum, name_lines
 from ltcgear.runtime.analysis.lines import Clues
 from ltcgear.runtime.results.rounding import is_unstrained, round_statistics, without_rounding
 from ltcgear.runtime.results.statistics import statistics
+from ltcgear.runtime.view import list_tables
 
 from .outputs import result, times
 

@@ -5,8 +5,8 @@ import pytest
 from ltcgear.runtime import build, simulate
 from ltcgear.runtime.results.amplitude_spectrum import amplitude_spectrum, strongest_lines
 from ltcgear.runtime.results.statistics import window
-from ltcgear.runtime.simulate.low_pass import BAND
-from ltcgear.runtime.simulate.sampling_rate import HARMONICS, LEAST, choose_rate, mesh_frequency
+from ltcgear.runtime.simulation.low_pass import BAND
+from ltcgear.runtime.simulation.sampling_rate import HARMONICS, LEAST, choose_rate, mesh_frequency
 from ltcgear.symbolic import build_model, load_scene
 from ltcgear.symbolic.pipeline import obtain
 

@@ -10,13 +10,13 @@ import pytest
 import xarray as xr
 from ltcgear.runtime.results.result import load
 from ltcgear.runtime.results.row_file import part_of
-from ltcgear.runtime.simulate import integration, sampling
-from ltcgear.runtime.simulate.low_pass import passing_speed
-from ltcgear.runtime.simulate.methods import segment_methods
-from ltcgear.runtime.simulate.output_reader import Reader, join_rows
-from ltcgear.runtime.simulate.recording import Recorder, record
-from ltcgear.runtime.simulate.sampling import join
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation import integration, sampling
+from ltcgear.runtime.simulation.low_pass import passing_speed
+from ltcgear.runtime.simulation.methods import segment_methods
+from ltcgear.runtime.simulation.output_reader import Reader, join_rows
+from ltcgear.runtime.simulation.recording import Recorder, record
+from ltcgear.runtime.simulation.sampling import join
+from ltcgear.runtime.simulation.simulate import simulate
 
 from .models import case
 

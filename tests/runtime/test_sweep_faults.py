@@ -8,7 +8,7 @@ from ltcgear.generated import store as models
 from ltcgear.generated.errors import CompileError, LtcgearError, MachineError, SolverError
 from ltcgear.runtime import load_sweep, simulate, sweep
 from ltcgear.runtime.results.row_file import part_of
-from ltcgear.runtime.simulate import method_limits
+from ltcgear.runtime.simulation import method_limits
 from ltcgear.runtime.studies.sweep import filling, planning, task
 from ltcgear.symbolic import Template
 

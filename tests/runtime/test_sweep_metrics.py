@@ -10,8 +10,8 @@ from ltcgear.runtime.analysis import find_load_share, find_transmission_error
 from ltcgear.runtime.results.dataset import make_dataset
 from ltcgear.runtime.results.result import Result
 from ltcgear.runtime.results.statistics import window
-from ltcgear.runtime.simulate.output_reader import no_rows
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.output_reader import no_rows
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.sweep.metrics import METRICS, STATISTICS, choose_metrics, lay_out, measure, unite
 
 from .models import case

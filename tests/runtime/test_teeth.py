@@ -5,8 +5,8 @@ import pytest
 from ltcgear.generated.errors import SolverError
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.tooth_deflection import STRAINED, Teeth
-from ltcgear.runtime.simulate.recording import record
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.recording import record
+from ltcgear.runtime.simulation.simulate import simulate
 
 from .models import case
 

@@ -7,9 +7,9 @@ from ltcgear.runtime.export.solver.dynamics import Dynamics
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.load_tables import Signals
 from ltcgear.runtime.model.parameter_values import MOST_FAULTS
-from ltcgear.runtime.simulate.recording import record
-from ltcgear.runtime.simulate.sampling_rate import find_rate
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.recording import record
+from ltcgear.runtime.simulation.sampling_rate import find_rate
+from ltcgear.runtime.simulation.simulate import simulate
 
 from .models import case
 

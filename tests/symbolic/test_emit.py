@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 from ltcgear.runtime.export.fmu.binary import compile_fmu
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.simulate.methods.segment_methods import whole_c
+from ltcgear.runtime.simulation.methods.segment_methods import whole_c
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.emit import c_text
 from ltcgear.symbolic.pipeline import generate

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from ltcgear.generated.errors import SceneError
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulate.energy_balance import energy_residual
+from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.run import check_model
 from ltcgear.symbolic.lower import element_function

@@ -119,7 +119,7 @@ def command(
         # As the program does itself, but for settings that come before: Ctrl-C is held back while libraries load.
         before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         from ltcgear.runtime.cli import commands, entry  # noqa: F401
-        from ltcgear.runtime.simulate import integration
+        from ltcgear.runtime.simulation import integration
 
         signal.signal(signal.SIGINT, entry._stop)
         signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -14,8 +14,8 @@ from ltcgear.generated import store
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.results.result import Result
-from ltcgear.runtime.simulate.simulation import WRONG as OPEN_BALANCE
-from ltcgear.runtime.simulate.simulation import simulate
+from ltcgear.runtime.simulation.simulate import WRONG as OPEN_BALANCE
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic import build_model, load_scene
 from ltcgear.symbolic.advice import warnings
 from ltcgear.symbolic.effects import EFFECTS

@@ -14,7 +14,7 @@ from ltcgear.generated.writing import check_output, written_whole
 from ...model.library import Library
 from ...model.load_tables import Pairs
 from ...model.vibration_scale import fastest
-from ...simulate.method_limits import MOST_STEPS, REACH
+from ...simulation.method_limits import MOST_STEPS, REACH
 from ..plain_c.data import Run
 from .binary import compile_fmu, platform_of, require_compiler
 from .description import Head, describe, describe_build

@@ -7,8 +7,8 @@ from ltcgear.generated.contract import HELD
 
 from ...model import continuation, equilibrium, vibration_scale
 from ...model.cstruct import FAULTS, FIELDS, SOURCES, source
-from ...simulate import contact_events, driver, method_limits
-from ...simulate.methods import segment_methods
+from ...simulation import contact_events, driver, method_limits
+from ...simulation.methods import segment_methods
 
 PARTS = (
     "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "saving.c", "advance.c",

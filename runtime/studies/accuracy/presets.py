@@ -7,7 +7,7 @@ from ltcgear.generated.errors import LtcgearError
 
 from ...model.function import Kernel
 from ...model.phase_wrapping import TURN, Clocks
-from ...simulate.methods.segment_methods import METHODS, OPTIONAL
+from ...simulation.methods.segment_methods import METHODS, OPTIONAL
 from ..selftest.case import Bench
 
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
 
-from ...simulate.integration import Trajectory
-from ...simulate.matrix_exponential import Exact
-from ...simulate.methods.segment_methods import MULTISTEP
-from ...simulate.verify import tell_parting
+from ...simulation.integration import Trajectory
+from ...simulation.matrix_exponential import Exact
+from ...simulation.methods.segment_methods import MULTISTEP
+from ...simulation.verify import tell_parting
 from ..selftest.case import Bench
 from .patience import Patience
 from .run_errors import MEASURES, Errors, Samples, find_errors, take_samples, value_of

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...model.phase_wrapping import Clocks
 from ...model.vibration_scale import vibration_scale
 from ...results.statistics import group_of
-from ...simulate.integration import Trajectory
-from ...simulate.output_reader import outputs_of
-from ...simulate.verify import STILL, Signal, compare_signals
+from ...simulation.integration import Trajectory
+from ...simulation.output_reader import outputs_of
+from ...simulation.verify import STILL, Signal, compare_signals
 from ..cost import mesh_orders
 from ..selftest.case import Bench
 

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...simulate.choose_method import choose
+from ...simulation.choose_method import choose
 from ..selftest.case import Bench
 from .cheapest import find_cheapest, list_cheapest
 from .machine import describe_machine

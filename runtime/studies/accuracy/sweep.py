@@ -11,7 +11,7 @@ from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ...model.function import Kernel
 from ...model.phase_wrapping import Clocks
-from ...simulate.output_reader import outputs_of
+from ...simulation.output_reader import outputs_of
 from ..selftest.case import Bench
 from .patience import OutOfTimeError, Patience
 from .reference import Reference

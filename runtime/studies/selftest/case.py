@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...model.equilibrium import Equilibrium, find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs
-from ...simulate.integration import Trajectory, integrate
+from ...simulation.integration import Trajectory, integrate
 
 Vector = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from math import asin, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulate.integration import Trajectory
+from ...simulation.integration import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .dead_band import CASES as SWEPT
 from .impact import Impact

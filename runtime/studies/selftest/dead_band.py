@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.load_tables import Pairs
-from ...simulate.energy_balance import energy_residual
-from ...simulate.integration import Trajectory
+from ...simulation.energy_balance import energy_residual
+from ...simulation.integration import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .pair import Pair, read
 

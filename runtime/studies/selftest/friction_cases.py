@@ -8,8 +8,8 @@ import numpy as np
 from ltcgear.generated.contract import BACK
 
 from ...model.function import Kernel
-from ...simulate.energy_balance import energy_residual
-from ...simulate.integration import Trajectory
+from ...simulation.energy_balance import energy_residual
+from ...simulation.integration import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .pair import read, read_power_lost
 from .planets import RubbingPlanets

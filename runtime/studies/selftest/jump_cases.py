@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...simulate.matrix_exponential import Exact
+from ...simulation.matrix_exponential import Exact
 from .case import Bench, Finding, HardCase, Open
 from .case_reading import TIGHTEST, against_exact, mesh_forces, off
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ...linear.modes import find_modes
 from ...linear.system import linearise
 from ...model.rows import over_time
-from ...simulate.integration import Trajectory
-from ...simulate.methods.segment_methods import EXPLICIT
+from ...simulation.integration import Trajectory
+from ...simulation.methods.segment_methods import EXPLICIT
 from .case import Bench, Finding, HardCase, Open
 
 Vector = NDArray[np.float64]

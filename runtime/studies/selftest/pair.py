@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...model.equilibrium import Equilibrium
 from ...model.rows import over_time
-from ...simulate.integration import Trajectory
+from ...simulation.integration import Trajectory
 from .case import Bench
 
 Vector = NDArray[np.float64]

@@ -11,8 +11,8 @@ from typing import Any
 
 from ltcgear.generated.errors import LtcgearError, MachineError
 
-from ...simulate.integration import Trajectory
-from ...simulate.methods.segment_methods import Counts
+from ...simulation.integration import Trajectory
+from ...simulation.methods.segment_methods import Counts
 from .case import Bench, Finding, HardCase, Open
 
 OK, SLOW, WRONG, REFUSED = VERDICTS = ("ok", "slow", "wrong", "refused")

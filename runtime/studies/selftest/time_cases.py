@@ -11,9 +11,9 @@ from ...linear.system import linearise
 from ...model.equilibrium import Equilibrium
 from ...model.function import Kernel
 from ...model.vibration_scale import vibration_scale
-from ...simulate.integration import Trajectory
-from ...simulate.matrix_exponential import Exact
-from ...simulate.methods.segment_methods import MULTISTEP
+from ...simulation.integration import Trajectory
+from ...simulation.matrix_exponential import Exact
+from ...simulation.methods.segment_methods import MULTISTEP
 from .case import Bench, Finding, HardCase, Open
 from .case_reading import mesh_forces, off
 

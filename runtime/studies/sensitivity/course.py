@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from ...model.equilibrium import Equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs, Signals
-from ...simulate.dense_output import Chebyshev
-from ...simulate.driver import March
-from ...simulate.failure import explain
-from ...simulate.method_limits import check_explicit
-from ...simulate.methods.segment_methods import EXPLICIT
+from ...simulation.dense_output import Chebyshev
+from ...simulation.driver import March
+from ...simulation.failure import explain
+from ...simulation.method_limits import check_explicit
+from ...simulation.methods.segment_methods import EXPLICIT
 
 Vector = NDArray[np.float64]
 Cells = NDArray[np.int64]

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from ...model.function import Kernel
 from ...model.rows import Batch
 from ...model.ties import order_by_size
-from ...simulate.dense_output import Chebyshev
+from ...simulation.dense_output import Chebyshev
 from .course import Course, Piece
 
 Vector = NDArray[np.float64]

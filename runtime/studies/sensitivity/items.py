@@ -14,8 +14,8 @@ from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs
 from ...model.parameter_bounds import is_continuous
-from ...simulate.choose_method import choose
-from ...simulate.simulation import AUTO
+from ...simulation.choose_method import choose
+from ...simulation.simulate import AUTO
 from .adjoint import OutputDerivative, differentiate_output
 from .ranking import list_influences
 from .worth import check_measure, find_output

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...model.quantity_names import PHASES
 from ...model.rows import Batch
-from ...simulate.dense_output import Chebyshev
+from ...simulation.dense_output import Chebyshev
 from .course import Course, Piece
 from .extreme import SIGNS, Instant, find_extreme
 

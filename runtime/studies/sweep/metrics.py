@@ -20,8 +20,8 @@ from ...results.rounding import without_rounding
 from ...results.select import find_columns, nearest
 from ...results.statistics import STATISTICS as MOTION
 from ...results.statistics import mesh_frequencies, sample_statistics, statistics, steady_start, window
-from ...simulate.low_pass import BAND
-from ...simulate.methods.segment_methods import Counts
+from ...simulation.low_pass import BAND
+from ...simulation.methods.segment_methods import Counts
 
 if TYPE_CHECKING:
     import xarray as xr

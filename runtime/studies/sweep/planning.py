@@ -11,9 +11,9 @@ from ltcgear.generated.errors import LtcgearError, SceneError
 from ...model.library import build
 from ...results.dataset import make_dataset
 from ...results.samples import no_rows
-from ...simulate.room import check_size
-from ...simulate.sampling_rate import find_rate
-from ...simulate.simulation import Run
+from ...simulation.room import check_size
+from ...simulation.sampling_rate import find_rate
+from ...simulation.simulate import Run
 from .design import Design
 from .faults import own_reason
 from .metrics import choose_metrics, lay_out, unite

@@ -13,9 +13,9 @@ from ltcgear.generated.errors import LtcgearError
 
 from ...results.attributes import to_attributes
 from ...results.row_file import part_of
-from ...simulate.integration import check_length
-from ...simulate.low_pass import BAND
-from ...simulate.simulation import DEFAULT_METHOD, DEFAULT_RTOL, check_options
+from ...simulation.integration import check_length
+from ...simulation.low_pass import BAND
+from ...simulation.simulate import DEFAULT_METHOD, DEFAULT_RTOL, check_options
 from .axes import read_axes
 from .design import Design, draw_design
 from .execution import Pool, Processes, check_joblib

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ...model.library import Library, build
 from ...model.load_tables import Pairs
-from ...simulate.integration import EXHAUSTED
-from ...simulate.simulation import simulate
+from ...simulation.integration import EXHAUSTED
+from ...simulation.simulate import simulate
 from .design import Design
 from .faults import describe, is_machines
 from .metrics import take_values

@@ -28,7 +28,7 @@ from .methods.segment_methods import Counts
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_room
 from .sampling import Block, Points
-from .simulation import (
+from .simulate import (
     AUTO,
     DEFAULT_METHOD,
     DEFAULT_RTOL,

@@ -29,7 +29,7 @@ from .integration import check_length
 from .methods.segment_methods import Counts
 from .room import check_size
 from .sampling_rate import Rate
-from .simulation import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, list_settings
+from .simulate import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, list_settings
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
