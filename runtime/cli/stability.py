@@ -72,14 +72,12 @@ def _show_multipliers(
     from ..linear.chart import RPM
     from ..linear.chart_figure import write_multipliers
     from ..linear.floquet import find_multipliers
-    from ..linear.periodic import reference_speed, vary
+    from ..linear.periodic import reference_speed, take_sense, vary
     from ..present_stability import describe_multipliers, tabulate_multipliers
 
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
-    speed = reference_speed(library, p)
-    if rpm is not None:
-        speed = (-1 if speed < 0 else 1) * rpm * RPM
+    speed = reference_speed(library, p) if rpm is None else take_sense(library, p, rpm * RPM)
     periodic = vary(library, p, mesh, speed)
     with progress(f"stability {opened.scene.name}", 1, "period") as told:
         found = find_multipliers(periodic, variation, told)
