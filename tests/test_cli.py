@@ -511,7 +511,7 @@ def test_the_installed_program(arguments, code):
 
 STARTED = """
 import sys
-from ltcgear.runtime import cli
+from ltcgear.runtime.cli import commands
 sys.argv = ["ltcgear", *sys.argv[1:]]
 module = sys.modules["ltcgear.runtime.cli.app"]
 app = module.app
@@ -519,7 +519,7 @@ def started(**options):  # what comes before is the interpreter's own
     print("ready", flush=True)
     return app(**options)
 module.app = started
-cli.main()
+commands.main()
 """
 
 

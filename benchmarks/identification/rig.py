@@ -8,6 +8,7 @@ from math import hypot
 from pathlib import Path
 from typing import Any
 
+from ltcgear.runtime.studies.wu2021 import comparison
 from ltcgear.runtime.studies.wu2021.comparison import published
 
 from benchmarks.identification.forecast import LOAD_FACTOR, Target

@@ -11,7 +11,7 @@ from ltcgear.generated.errors import LtcgearError
 
 from ..results.amplitude_spectrum import amplitude_spectrum, noise_bandwidth
 from .spectrum import Spectrum
-from .trace import FloatArray, Trace, read_trace
+from .trace import FloatArray, Trace, read_trace, tell_bounds
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,13 +95,17 @@ def find_envelope(signal: xr.DataArray, low_hz: float, high_hz: float, *, window
     """
     one = read_trace(signal)
     count, half = one.values.size, 0.5 * one.rate
-    if not 0.0 < low_hz < high_hz <= half:
-        raise LtcgearError(f"--band {low_hz:g}:{high_hz:g}: must lie between 0 and {half:g} Hz, low before high")
+    if not 0.0 < low_hz < high_hz <= half * (1.0 + 1e-5):  # which is told in six digits
+        raise LtcgearError(
+            f"--band {low_hz:g}:{high_hz:g}: must lie above 0 and up to {half:g} Hz, low before high, "
+            f"for example {0.125 * half:.0f}:{0.375 * half:.0f}"
+        )
     frequency = np.fft.fftfreq(count, 1.0 / one.rate)
     inside = (frequency >= low_hz) & (frequency <= high_hz)
     if inside.sum() < 3:
         raise LtcgearError(
-            f"--band {low_hz:g}:{high_hz:g}: narrower than 3 bins of {one.rate / count:.3g} Hz; widen it"
+            f"--band {low_hz:g}:{high_hz:g}: narrower than 3 bins; make it "
+            f"{tell_bounds(3.0 * one.rate / count, half)[0]} Hz wide at least"
         )
     analytic = np.fft.ifft(np.where(inside, 2.0 * np.fft.fft(one.values), 0.0))
     value = np.abs(analytic)

@@ -12,7 +12,7 @@ from ..model.ties import largest_first
 from ..results.amplitude_spectrum import amplitude_spectrum, noise_bandwidth
 from ..results.statistics import stage_of
 from .spectrum import Spectrum
-from .trace import FloatArray, list_items, read_trace
+from .trace import FloatArray, list_items, read_trace, tell_bounds
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -85,13 +85,19 @@ def find_order_spectrum(
     turns, shaft = _turns(other.values), other.name.partition(":")[2] or "the shaft"
     speeds = np.diff(turns) * one.rate
     if not speeds.min() > SLOWEST * speeds.max():
-        raise LtcgearError(f"{shaft} stands, turns back or is very slow in the span; give one in which it turns")
+        raise LtcgearError(
+            f"{shaft} stands, turns back or is very slow in the span; give a span in which it turns, or another shaft"
+        )
     whole = int(turns[-1] * (1.0 + 1e-12))
     if whole < 4:
-        raise LtcgearError(f"{shaft} turns {turns[-1]:.3g} times in the span, 4 at least are needed; give a longer one")
+        needed = tell_bounds(4.04 / turns[-1] * (one.time[-1] - one.time[0]), inf)[0]
+        raise LtcgearError(
+            f"{shaft} turns {turns[-1]:.3g} times in the span, 4 at least are needed; "
+            f"give a span of {needed} s or more, by --from and --to, or simulate longer"
+        )
     each = int(np.ceil(DENSE * one.rate / speeds.min()))
     if each * whole > MOST:
-        raise LtcgearError(f"{shaft}: too slow at some time of the span beside its fastest; give a later start")
+        raise LtcgearError(f"{shaft}: too slow at some time of the span beside its fastest; give a later start, --from")
     order, value = amplitude_spectrum(_resample(turns, one.values, each, whole), float(each), window)
     kept = order <= min(MARGIN * one.rate, highest_hz) / speeds.max()
     return Spectrum(

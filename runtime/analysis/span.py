@@ -9,7 +9,7 @@ from ltcgear.generated.errors import LtcgearError
 
 from ..results.rounding import STILL
 from ..results.statistics import are_followed, sampling_rate, steady_start, window
-from .trace import FEWEST
+from .trace import FEWEST, tell_bounds
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +42,9 @@ def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None 
         If the span lies outside the record, is too short, or has samples that are not numbers.
     """
     if dataset.sizes.get("time", 0) < FEWEST:
-        raise LtcgearError(f"the record has {dataset.sizes.get('time', 0)} samples, {FEWEST} at least are needed")
+        raise LtcgearError(
+            f"the record has {dataset.sizes.get('time', 0)} samples, {FEWEST} at least are needed; simulate longer"
+        )
     time = dataset["time"].values
     first, last, half = float(time[0]), float(time[-1]), 0.5 / sampling_rate(dataset)
     start = steady_start(dataset) if start_s is None else start_s
@@ -56,14 +58,14 @@ def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None 
     if part.sizes["time"] < FEWEST:
         raise LtcgearError(
             f"--from {start:.6g} --to {stop:.6g}: {part.sizes['time']} samples, {FEWEST} at least are needed; "
-            f"give {FEWEST / sampling_rate(dataset):.3g} s or more"
+            f"give {tell_bounds(FEWEST / sampling_rate(dataset), last - first)[0]} s or more"
         )
-    _refuse_gaps(part)
+    _refuse_gaps(part, dataset)
     return part if are_followed(dataset, start, stop) else part.drop_vars("statistics", errors="ignore")
 
 
-def _refuse_gaps(part: xr.Dataset) -> None:
-    """Refuse samples that are not numbers, as a run leaves them that broke down."""
+def _refuse_gaps(part: xr.Dataset, dataset: xr.Dataset) -> None:
+    """Refuse samples that are not numbers, as a run leaves them that broke down; tell which span has none."""
     for name in NEEDED:
         if name in part:
             bad = ~np.isfinite(part[name].transpose("time", ...).values)
@@ -71,9 +73,19 @@ def _refuse_gaps(part: xr.Dataset) -> None:
             if rows.size:
                 time, item = part["time"].values, part[name][part[name].dims[1]].values[int(np.argmax(bad[rows[0]]))]
                 raise LtcgearError(
-                    f"{name}:{item}: not a number from {time[rows[0]]:.6g} s on; "
-                    f"analyse what comes before it, --to {time[max(rows[0] - 1, 0)]:.6g}"
+                    f"{name}:{item}: not a number from {time[rows[0]]:.6g} s on; {_before_gaps(dataset)}"
                 )
+
+
+def _before_gaps(dataset: xr.Dataset) -> str:
+    """Say which part of a record may be analysed that has samples that are not numbers."""
+    whole = [np.isfinite(dataset[name].transpose("time", ...).values).all(axis=1) for name in NEEDED if name in dataset]
+    count = int(np.argmin(np.logical_and.reduce(whole)))
+    if count < FEWEST:
+        return "too little comes before it; simulate again"
+    time = dataset["time"].values
+    middle = time[count // 2 if count > 4 * FEWEST else 0]
+    return f"analyse what comes before it, --from {middle:.9g} --to {time[count - 1]:.9g}"
 
 
 def speed_change(part: xr.Dataset) -> float:

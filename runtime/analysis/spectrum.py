@@ -9,7 +9,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..results.amplitude_spectrum import WINDOWS, amplitude_spectrum, noise_bandwidth, planar_spectrum, window_samples
-from .trace import FEWEST, FloatArray, Trace, read_trace
+from .trace import FEWEST, FloatArray, Trace, read_trace, tell_bounds
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -161,9 +161,10 @@ def find_density(signal: xr.DataArray, *, window: str = "hann", segment_s: float
     count = one.values.size // 8 if segment_s is None else round(segment_s * one.rate)
     count = max(count, FEWEST) if segment_s is None else count
     if not FEWEST <= count <= one.values.size:
+        low, high = tell_bounds(FEWEST / one.rate, one.values.size / one.rate)
         raise LtcgearError(
             f"segments of {segment_s:g} s: must hold {FEWEST} samples at least and the signal at most; "
-            f"give {FEWEST / one.rate:.3g} to {one.values.size / one.rate:.3g} s"
+            f"give {low} to {high} s"
         )
     weights = window_samples(window, count)
     overlap = count // 2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -68,6 +69,13 @@ def read_trace(signal: xr.DataArray) -> Trace:
         raise LtcgearError(f"{name}: not a number from {time[missing[0]]:.6g} s on; choose a window that leaves it out")
     words, item = str(signal.attrs.get("long_name", signal.name or "signal")), name.partition(":")[2]
     return Trace(name, f"{words} of {item}" if item else words, unit_of(signal), time, values)
+
+
+def tell_bounds(low: float, high: float) -> tuple[str, str]:
+    """Return bounds in four digits, rounded inwards, so that what is told is accepted."""
+    ends = ((low, ROUND_CEILING), (high, ROUND_FLOOR))
+    low_text, high_text = (f"{float(Context(4, way).create_decimal(f'{value:.9g}')):g}" for value, way in ends)
+    return low_text, high_text
 
 
 def unit_of(signal: xr.DataArray) -> str:

@@ -10,7 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 
 from ..results.amplitude_spectrum import WINDOWS, amplitude_spectrum, noise_bandwidth
 from ..results.statistics import stage_of
-from .trace import FEWEST, FloatArray, list_items, pick, read_trace
+from .trace import FEWEST, FloatArray, list_items, pick, read_trace, tell_bounds
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,9 +90,8 @@ def find_waterfall(
     count = round(one.rate / wanted) if wanted > 0.0 else 0
     count = max(count, FEWEST) if resolution_hz is None else count
     if not FEWEST <= count <= one.values.size:
-        raise LtcgearError(
-            f"--resolution {wanted:g}: must lie between {1.0 / longest:.3g} and {one.rate / FEWEST:.4g} Hz in this span"
-        )
+        low, high = tell_bounds(1.0 / longest, one.rate / FEWEST)
+        raise LtcgearError(f"--resolution {wanted:g}: must lie between {low} and {high} Hz in this span")
     step = max(1, round(count * (1.0 - OVERLAP)))
     starts = np.arange(0, one.values.size - count + 1, step)
     spectra = [amplitude_spectrum(one.values[k : k + count], one.rate, window) for k in starts]

@@ -87,6 +87,14 @@ def _check(turn: float | None, count: int | None, chosen: list[int] | None, outp
         raise LtcgearError(f"{output}: modes are written as {known}; name it {output.with_suffix('.csv')}")
 
 
+def _tell_count(linear: "Linear", found: int, wanted: int) -> str:
+    """Say how many modes there are, and how more are found where there are more."""
+    there = len(linear.positions)
+    if wanted <= there:
+        return f"the lowest {found} modes were found; give a number up to that, or --count {wanted}"
+    return f"there are {there} modes; give a number up to that" + (f", and --count {there}" if found < there else "")
+
+
 def _write(linear: "Linear", found: list[Any], chosen: list[int] | None, data: dict[str, Any], path: Path) -> Path:
     """Write a table or draw mode shapes, by the suffix."""
     from ..view.tables.mode_rows import write_modes
@@ -94,9 +102,7 @@ def _write(linear: "Linear", found: list[Any], chosen: list[int] | None, data: d
     if path.suffix in LISTS:
         return write_modes(data, path)
     if chosen and max(chosen) > len(found):
-        raise LtcgearError(
-            f"--mode {max(chosen)}: there are {len(found)} modes; give a number up to that, or --count more"
-        )
+        raise LtcgearError(f"--mode {max(chosen)}: {_tell_count(linear, len(found), max(chosen))}")
     from ..view.figures.shape_figures import draw_shapes
     from ..view.figures.shape_page import write_page
 

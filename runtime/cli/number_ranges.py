@@ -39,7 +39,7 @@ def read_range(option: str, text: str, example: str, single: bool = False) -> ND
     if not (isfinite(first) and isfinite(last) and first >= 0 and (rises or count == 1 == len(parts))):
         raise LtcgearError(
             f"{option} {text}: write FIRST:LAST:NUMBER with 0 <= FIRST < LAST and a NUMBER above 1, "
-            f"for example {option} {example}"
+            f"for example {option} {example}{', or one number, 0 or above' if single else ''}"
         )
     if count > MOST:
         raise LtcgearError(f"{option} {text}: {count} values, {MOST} at most; take fewer")

@@ -71,15 +71,13 @@ def _show_multipliers(
     """Find the multipliers at one speed and one variation."""
     from ..linear.chart import RPM
     from ..linear.floquet import find_multipliers
-    from ..linear.periodic import reference_speed, vary
+    from ..linear.periodic import reference_speed, take_sense, vary
     from ..view.figures.stability_figures import write_multipliers
     from ..view.tables.stability_printed import describe_multipliers, tabulate_multipliers
 
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
-    speed = reference_speed(library, p)
-    if rpm is not None:
-        speed = (-1 if speed < 0 else 1) * rpm * RPM
+    speed = reference_speed(library, p) if rpm is None else take_sense(library, p, rpm * RPM)
     periodic = vary(library, p, mesh, speed)
     with progress(f"stability {opened.scene.name}", 1, "period") as told:
         found = find_multipliers(periodic, variation, told)

@@ -128,11 +128,10 @@ def sweep_load(
     SolverError
         If there is no equilibrium at a load.
     """
-    names = [name for name, _ in library.manifest.parameters]
-    places = [i for i, name in enumerate(names) if name.startswith("loads.") and name.endswith(".torque")]
+    places = _torque_places(library)
     moving = [name for name in tables or {} if name.endswith(".torque_over_time")]
     if not places and not moving:
-        raise LtcgearError("campbell --load: no load of the scene has a torque; give one in [loads]")
+        raise LtcgearError("campbell --load: no load of the scene has a torque; give one, loads.NAME.torque")
     values = _with_home(values, 1.0)
     turns = p[_speed_place(library)] / TURN if library.manifest.reference != "rest" else 0.0
 
@@ -145,13 +144,20 @@ def sweep_load(
     return _sweep(library, LOAD, values, 1.0, at, np.full(len(values), turns), told)
 
 
+def _torque_places(library: Library) -> list[int]:
+    """Return where constant torques of loads stand among the parameters."""
+    names = [name for name, _ in library.manifest.parameters]
+    return [i for i, name in enumerate(names) if name.startswith("loads.") and name.endswith(".torque")]
+
+
 def _speed_place(library: Library) -> int:
     """Return where the reference's speed stands among the parameters."""
     names = [name for name, _ in library.manifest.parameters]
     if library.manifest.reference == "rest":
+        torques = _torque_places(library) or any(s.name.endswith(".torque") for s in library.manifest.signals)
         raise LtcgearError(
             "campbell: the train stands, so that there is no speed and no order; hold a member's speed, "
-            "loads.NAME.speed, or sweep the load, --load"
+            f"loads.NAME.speed{', or sweep the load, for example --load 0.2:2:31' if torques else ''}"
         )
     if "reference.speed" not in names:
         raise LtcgearError(

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
 from ..model.library import Library
 from .floquet import MARGIN, find_monodromies, settle
-from .periodic import Periodic, reference_speed, vary
+from .periodic import Periodic, take_sense, vary
 from .tongues import Tongue, find_tongues, strongest_first
 
 Vector = NDArray[np.float64]
@@ -89,12 +89,14 @@ def draw_up(
     """
     if not speeds[0] > 0:
         raise LtcgearError("--speed 0: at rest no stiffness varies; begin above 0")
-    sense = np.sign(reference_speed(library, p))
     edges = np.concatenate([speeds[:1], (speeds[1:] + speeds[:-1]) / 2, speeds[-1:] * (1 + 1e-12)])
     largest, base, tongues = np.empty((len(speeds), len(variations))), np.empty(len(speeds)), list[Tongue]()
     meshes: list[str] = []
     for k, speed in enumerate(speeds.tolist()):
-        periodic = vary(library, p, mesh, sense * speed)
+        try:
+            periodic = vary(library, p, mesh, take_sense(library, p, speed))
+        except SolverError as error:
+            raise SolverError(f"speed {speed / RPM:g} rpm: {error}") from error
         meshes, base[k] = periodic.meshes, 1 / periodic.period
         largest[k] = _largest(periodic, variations, len(speeds))
         tongues += find_tongues(periodic, speed, edges[k], edges[k + 1])
@@ -107,8 +109,10 @@ def _largest(periodic: Periodic, variations: Vector, speeds: int) -> Vector:
     count, _ = settle(periodic, float(variations[-1]), TOLERANCE)
     steps = len(periodic.steps(count)[0])
     if steps * len(variations) * speeds > MOST_STEPS:
+        stages = dict.fromkeys(name.split(".")[0] for name in periodic.meshes)
+        fewer = f", or vary fewer meshes, --mesh {next(iter(stages))}" if len(stages) > 1 else ""
         raise LtcgearError(
-            f"stability: {steps} steps in a common period are too many for {len(variations) * speeds} points; "
-            f"choose whose stiffness varies, --mesh {periodic.meshes[0].split('.')[0]}, or take fewer points"
+            f"stability: {len(variations) * speeds} points of {steps} steps in a common period are too many; "
+            f"take {max(MOST_STEPS // steps, 1)} points at most{fewer}"
         )
     return np.asarray(np.abs(np.linalg.eigvals(find_monodromies(periodic, variations.tolist(), count))).max(axis=1))

@@ -206,16 +206,18 @@ def check_periodic(library: Library) -> None:
     """Refuse a model whose speed is not held and constant."""
     manifest = library.manifest
     if manifest.reference == "rest":
-        raise LtcgearError("stability: the train stands still, so no stiffness varies; hold a speed: [loads.X] speed")
+        raise LtcgearError("stability: the train stands still, so no stiffness varies; hold one, loads.NAME.speed")
     if manifest.reference == "torque":
         raise LtcgearError(
             "stability: the speed follows from the torques, so nothing is periodic; hold it: give one load a speed "
             "in place of its torque and initial_speed"
         )
     if manifest.signals:
-        named = ", ".join(dict.fromkeys(signal.table for signal in manifest.signals))
+        named = list(dict.fromkeys(signal.table for signal in manifest.signals))
+        constant = ", ".join(name.removesuffix("_over_time") for name in named)
         raise LtcgearError(
-            f"stability: {named} changes over time, so nothing is periodic; give a constant speed or torque"
+            f"stability: nothing is periodic where loads change over time; give {constant} in place of "
+            f"{', '.join(named)}"
         )
 
 
@@ -250,10 +252,24 @@ def reference_speed(library: Library, p: Vector) -> float:
 
 
 def _speed(library: Library, p: Vector) -> float:
-    speed = float(p[[name for name, _ in library.manifest.parameters].index("reference.speed")])
+    speed = _held_speed(library, p)
     if speed == 0:
-        raise LtcgearError("stability: the held speed is 0, so no stiffness varies; give a speed, or --speed")
+        raise LtcgearError(
+            "stability: at a speed of 0 no stiffness varies; give the load that is held another loads.NAME.speed, or "
+            "the command a --speed above 0"
+        )
     return speed
+
+
+def take_sense(library: Library, p: Vector, size: float) -> float:
+    """Return a speed of the reference [rad/s] of some size in the scene's own sense, forwards where it stands."""
+    check_periodic(library)
+    return -size if _held_speed(library, p) < 0 else size
+
+
+def _held_speed(library: Library, p: Vector) -> float:
+    """Return the speed [rad/s] at which the reference is held."""
+    return float(p[[name for name, _ in library.manifest.parameters].index("reference.speed")])
 
 
 def _at_speed(library: Library, p: Vector, speed: float) -> Vector:

@@ -143,7 +143,10 @@ def choose_frequencies(modes: Sequence[Mode], low: float | None = None, high: fl
     if high is None:
         high = 3 * max((f for f, _ in ringing), default=1.0)
     if not (np.isfinite([low, high]).all() and 0 < low < high):
-        raise LtcgearError(f"--from {low:g} --to {high:g}: frequencies in Hz are needed, 0 < from < to")
+        raise LtcgearError(
+            f"--from {low:g} --to {high:g}: frequencies in Hz are needed, 0 < from < to; "
+            "give both, for example --from 10 --to 1000"
+        )
     base = np.geomspace(low, high, 400)
     about = [
         f + half * BESIDE if half > UNDAMPED * f else f * (1 + UNDAMPED * BESIDE[BESIDE != 0]) for f, half in ringing

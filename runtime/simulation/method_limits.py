@@ -66,7 +66,7 @@ def check_run(
     LtcgearError
         It names what takes so long (body, mesh, samples, table) and the cure.
     """
-    motion = _fastest(library, at, p)
+    motion = fastest_motion(library, at, p)
     if method in EXPLICIT:
         _check_steps(library, at, p, method, t_end, motion, np.inf if long else MOST_STEPS, f"; {ASKED}")
     if long:
@@ -91,7 +91,7 @@ def check_explicit(library: Library, at: Equilibrium, p: Vector, method: str, t_
     LtcgearError
         It names the body and the cure.
     """
-    _check_steps(library, at, p, method, t_end, _fastest(library, at, p), MOST_STEPS, "")
+    _check_steps(library, at, p, method, t_end, fastest_motion(library, at, p), MOST_STEPS, "")
 
 
 def _check_steps(
@@ -176,7 +176,7 @@ def _slowest(library: Library, at: Equilibrium, p: Vector) -> float:
     return 2 * np.pi * min((hertz for hertz in found if hertz > 0), default=float("inf"))
 
 
-def _fastest(library: Library, at: Equilibrium, p: Vector) -> Motion:
+def fastest_motion(library: Library, at: Equilibrium, p: Vector) -> Motion:
     """Return the largest modulus [1/s] of an eigenvalue, and the body that this motion moves most."""
     scale = vibration_scale(library, at, p)
     matrix = state_matrix(library, at.x, at.s, closed(library, p)) * scale[None, :] / scale[:, None]

@@ -82,7 +82,7 @@ def check_file(path: Path, *sources: str) -> None:
     require_packages()
     check_output(path, *sources)
     if path.suffix not in WRITERS:
-        raise LtcgearError(f"{path}: a book is written as .html or .tex; give a name that ends so")
+        raise LtcgearError(f"{path}: a book is written as .html or .tex; name it {path.with_suffix('.html')}")
 
 
 def write_book(book: Book, path: Path) -> None:

@@ -309,7 +309,7 @@ def test_statistics_along_the_motion_belong_to_the_span_they_were_taken_over():
         ((1.0, 9.0), "the record runs from"),
         ((2.0, 1.0), "the first before the second"),
         ((float("nan"), 1.0), "the record runs from"),
-        ((1.0, 1.001), r"9 samples, 64 at least are needed; give 0\.00781 s or more"),
+        ((1.0, 1.001), r"9 samples, 64 at least are needed; give 0\.007813 s or more"),
     ],
 )
 def test_spans_outside_the_record_are_refused(span, message):

@@ -91,7 +91,7 @@ def test_the_density_of_white_noise_is_flat():
 
 @pytest.mark.parametrize("segment", [1e-3, 2.0])
 def test_segments_that_cannot_serve_are_refused(segment):
-    with pytest.raises(LtcgearError, match=r"segments of .* give 0\.00781 to 1 s"):
+    with pytest.raises(LtcgearError, match=r"segments of .* give 0\.007813 to 1 s"):
         find_density(output(TIME, TIME), segment_s=segment)
 
 

@@ -216,7 +216,7 @@ def test_steps_are_halved_until_they_resolve_the_stiffness():
         ("lsp", (), "lsp.sun_plant", "did you mean lsp.sun_planet"),
         ("lsp", ("stages.lsp.ring_planet.double_factor = 1.0", "-stages.lsp.ring_planet.double_factor"),
          "lsp.ring_planet", "does not vary; lsp, lsp.sun_planet do"),
-        ("lsp", ('loads.ring.speed = "0 rpm"',), None, "speed is 0|stands still"),
+        ("lsp", ('loads.ring.speed = "0 rpm"',), None, "speed of 0|stands still"),
     ],
 )  # fmt: skip
 def test_what_is_not_periodic_is_refused(name, settings, mesh, told):

@@ -13,8 +13,7 @@ from ltcgear.generated.writing import check_output, written_whole
 
 from ...model.library import Library
 from ...model.load_tables import Pairs
-from ...model.vibration_scale import fastest
-from ...simulation.method_limits import MOST_STEPS, REACH
+from ...simulation.method_limits import MOST_STEPS, REACH, fastest_motion
 from ..plain_c.data import Run
 from .binary import compile_fmu, platform_of, require_compiler
 from .description import Head, describe, describe_build
@@ -126,13 +125,13 @@ def _check_tables(library: Library, tables: Mapping[str, Pairs], inputs: Sequenc
 
 def _check_effort(library: Library, interface: Interface, t_end: float) -> None:
     """Refuse a model whose fastest motion takes too many steps from the explicit method inside."""
-    speed = fastest(library, interface.at, interface.p)
+    speed, body = fastest_motion(library, interface.at, interface.p)
     steps = t_end * speed / REACH
     if steps > MOST_STEPS:
         raise LtcgearError(
             f"co-simulation integrates by an explicit method, which needs about {steps:.0e} steps for {t_end:g} s: "
-            f"the fastest motion swings at {speed:.1e} rad/s; write --kind model-exchange, or give the lightest member "
-            "more inertia or softer springs"
+            f"{body} swings at {speed:.1e} rad/s; write --kind model-exchange, give {body.split()[0]} more inertia or "
+            "softer springs, or lower simulation.t_end"
         )
 
 

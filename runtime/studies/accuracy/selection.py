@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from decimal import ROUND_CEILING, Context
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,11 @@ def read_percentage(text: str) -> float:
     return value
 
 
+def _above(error: float) -> str:
+    """Return an error in per cent, in three digits, rounded up."""
+    return f"{float(Context(3, ROUND_CEILING).create_decimal_from_float(100 * error)):g}%"
+
+
 def select_setting(record: Data, source: Path | str, limit: float, model: str, numbers: str) -> Setting:
     """Take the fastest setting of a record that meets an error.
 
@@ -86,9 +92,11 @@ def select_setting(record: Data, source: Path | str, limit: float, model: str, n
     if point is None:
         found = [value_of(p["errors"], measure) for p in record["points"] if p["reason"] is None]
         least = min((value for value in found if value is not None), default=float("nan"))
+        least += record["reference"]["floor"] or 0.0  # it counts on top
+        ask = f"ask for --accuracy {_above(least)}, or " if least < 1 else ""
         raise LtcgearError(
-            f"--accuracy {100 * limit:g}%: no setting in {source} meets it; the smallest error there is {least:.1e}. "
-            "Ask for more, or run `ltcgear accuracy` with --preset full"
+            f"--accuracy {100 * limit:g}%: no setting in {source} meets it; the smallest error there is {least:.1e}; "
+            f"{ask}run `ltcgear accuracy` with --preset full"
         )
     warning = None
     if record["numbers"] != numbers:

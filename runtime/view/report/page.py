@@ -128,7 +128,8 @@ def _check(dataset: xr.Dataset, at: float | None) -> None:
     if dataset.sizes["time"] < FEWEST:
         raise LtcgearError(f"the record has {dataset.sizes['time']} samples; a report needs {FEWEST}, simulate longer")
     first, last = (float(dataset["time"].values[k]) for k in (0, -1))
-    if at is not None and not (isfinite(at) and first <= at <= last):
+    near = 1e-5 * (last - first)  # ends are told in six digits
+    if at is not None and not (isfinite(at) and first - near <= at <= last + near):
         raise LtcgearError(f"--at {at:g}: the record runs from {first:g} s to {last:g} s; give an instant in it")
 
 
