@@ -39,7 +39,7 @@ from .marks import put
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "rig.md"
-RECORD = ROOT / "runtime" / "published" / "fitted.json"
+RECORD = ROOT / "runtime" / "studies" / "wu2021" / "published" / "fitted.json"
 SCENE, FITTED = "rig-2mw", "rig-2mw-fitted"
 SPAN = Span(1.0, 0.5)
 """A turn of the HSP carrier and more; what the start leaves behind has mostly died away after half of it."""

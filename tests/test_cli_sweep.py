@@ -82,7 +82,7 @@ def test_a_missing_package_is_told(refused, tmp_path, monkeypatch):
 def test_ctrl_c_keeps_rows_and_the_same_command_goes_on(data, tmp_path):
     target = tmp_path / "a.nc"
     vary = ("--vary", "loads.ring.speed=5 rpm:20 rpm:200", "--t-end", "0.05", "--workers", "2")
-    command = [sys.executable, "-c", "from ltcgear.runtime import cli; cli.main()", "sweep", "lsp", *vary]
+    command = [sys.executable, "-c", "from ltcgear.runtime.cli import commands; commands.main()", "sweep", "lsp", *vary]
     program = subprocess.Popen(
         [*command, "-o", target], start_new_session=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )

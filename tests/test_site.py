@@ -8,7 +8,7 @@ from math import pi
 import pytest
 from ltcgear import runtime, symbolic
 from ltcgear.runtime import analysis
-from ltcgear.runtime.cli import app
+from ltcgear.runtime.cli.app import app
 from ltcgear.symbolic import gears, load_scene
 from typer.main import get_command
 

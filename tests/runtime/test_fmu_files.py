@@ -13,7 +13,7 @@ from ltcgear.runtime.export.fmu.fmi_units import exponents
 from ltcgear.runtime.export.fmu.names import identify, structure
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
-NATIVE = Path(__file__).parents[2] / "runtime" / "native" / "plain"
+NATIVE = Path(__file__).parents[2] / "runtime" / "export" / "plain_c" / "c"
 
 
 def test_both_are_valid(cs, me):

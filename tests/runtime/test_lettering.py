@@ -80,6 +80,7 @@ def test_own_letters_are_set_as_they_are_meant(tmp_path, run):
 def test_a_backend_of_the_surroundings_is_not_needed(backend):
     code = (
         f"import os; os.environ['MPLBACKEND'] = {backend!r}\n"
-        "from ltcgear.runtime import cli\nfrom ltcgear.runtime.view.plots import make_canvas\nmake_canvas(1.0, 1.0)"
+        "from ltcgear.runtime.cli import commands\n"
+        "from ltcgear.runtime.view.plots import make_canvas\nmake_canvas(1.0, 1.0)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

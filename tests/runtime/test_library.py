@@ -23,10 +23,10 @@ SETUP = """
 import numpy as np
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
-from ltcgear.runtime.kernel import Kernel
-from ltcgear.runtime.library import build
-from ltcgear.runtime.arcs import Frame
-from ltcgear.runtime.stepper import make_stepper
+from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.simulation.smooth_arc import Frame
+from ltcgear.runtime.simulation.methods.segment_methods import make_stepper
 
 made = store.get("one")
 p = np.ones(len(made.manifest.parameters))

@@ -252,12 +252,13 @@ def test_a_part_that_does_not_fit_is_told(stopped):
 PROGRAM = """
 import sys
 from time import sleep
-from ltcgear.runtime import cli, integration, recording, sampling
+from ltcgear.runtime.cli import commands
+from ltcgear.runtime.simulation import integration, recording, sampling
 integration.MARK_SECONDS, integration.SLICE, sampling.BLOCK = 0.01, 0.0, 64
 take = recording.Recorder.take
 recording.Recorder.take = lambda self, *given: (sleep(0.005), take(self, *given))  # time to be killed in
 sys.argv = ["ltcgear", "simulate", "psh", "--t-end", "1.5", "-o", *sys.argv[1:]]
-cli.main()
+commands.main()
 """
 
 

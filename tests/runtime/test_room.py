@@ -18,8 +18,8 @@ from .models import case
 MEASURE = """
 import re, sys
 from pathlib import Path
-from ltcgear.runtime.library import build
-from ltcgear.runtime.room import bytes_in_memory
+from ltcgear.runtime.model.library import build
+from ltcgear.runtime.simulation.room import bytes_in_memory
 from ltcgear.runtime.simulation import simulate
 from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.pipeline import obtain

@@ -270,7 +270,7 @@ class Hook(importlib.abc.MetaPathFinder):
             os.kill(os.getpid(), signal.SIGINT)
 sys.meta_path.insert(0, Hook())
 signal.signal(signal.SIGINT, signal.{handler})
-from ltcgear.runtime.entry import main
+from ltcgear.runtime.cli.entry import main
 sys.argv = ["ltcgear", "--version"]
 main()
 """

@@ -83,7 +83,7 @@ class Material:
 @cache
 def fitted() -> dict[str, Any]:
     """Read the record of the fit (``published/fitted.json``, written by ``benchmarks.identify``)."""
-    source = resources.files("ltcgear.runtime") / "published" / "fitted.json"
+    source = resources.files("ltcgear.runtime.studies.wu2021") / "published" / "fitted.json"
     found: dict[str, Any] = json.loads(source.read_text(encoding="utf-8"))
     return found
 
