@@ -18,9 +18,9 @@ from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.rows import Batch
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 from .marks import put
 

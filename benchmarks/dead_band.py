@@ -24,9 +24,9 @@ from ltcgear.runtime.studies.selftest.dead_band import (
     staircase,
 )
 from ltcgear.runtime.view.plots import BLUE, GREY, ORANGE
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "dead-band.md"
 FIGURE = PAGE.parent / "dead-band.svg"

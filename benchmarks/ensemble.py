@@ -17,9 +17,9 @@ from ltcgear.generated import folders
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.ensemble import simulate_many
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGE, DATA = DOCS / "ensembles.md", DOCS / "data" / "ensemble.json"

@@ -11,9 +11,9 @@ import numpy as np
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.view.plots import BLUE, ORANGE
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "floating.md"
 FIGURE = PAGE.parent / "images" / "floating.png"

@@ -24,9 +24,9 @@ from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.results.statistics import group_of
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.table9 import tell_loads
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import SHIPPED, load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import SHIPPED, load_scene
 
 from benchmarks.identification.fitting import Fit, fit, parameter_slopes, spread_of
 from benchmarks.identification.forecast import Forecast, Span

@@ -11,9 +11,9 @@ from ltcgear.runtime.cli.progress import progress
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.results.table import Cell, Table
 from ltcgear.runtime.studies.cost import MEASURES, ROUNDS, Variant, measure_costs
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 from rich.console import Console
 
 SCENE, T_END, RATE, RTOL = "rig-2mw", 0.5, 8192.0, 1e-6

@@ -14,9 +14,9 @@ from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.model.phase_wrapping import Clocks
 from ltcgear.runtime.simulation.integration import Trajectory, integrate
 from ltcgear.runtime.simulation.output_reader import outputs_of
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "long-run.md"
 BEGIN, END = "<!-- long run -->\n", "<!-- end -->\n"

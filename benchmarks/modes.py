@@ -22,13 +22,13 @@ from ltcgear.runtime.model.topology import label
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.runtime.studies.wu2021.line_origins import forced_name, printed_lines
 from ltcgear.runtime.view.figures.shape_figures import draw_shapes
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.builder import SceneBuilder
-from ltcgear.symbolic.model import Model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.report import describe
-from ltcgear.symbolic.scene import load_scene
-from ltcgear.symbolic.schema import Scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.describe.geometry_report import describe
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.mechanics.model import Model
+from ltcgear.symbolic.scene.builder import SceneBuilder
+from ltcgear.symbolic.scene.load import load_scene
+from ltcgear.symbolic.schema.scene_schema import Scene
 
 from .growth.scenes import stage_keys
 from .marks import put

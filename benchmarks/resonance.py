@@ -17,9 +17,9 @@ from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.view.figures.resonance_figures import draw_campbell, draw_response
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "resonance.md"
 IMAGES = PAGE.parent / "images"

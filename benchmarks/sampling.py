@@ -12,9 +12,9 @@ from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.integration import Integration
 from ltcgear.runtime.simulation.simulate import Run
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 from .marks import put
 

@@ -9,10 +9,10 @@ from typing import Any
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.studies.sensitivity.items import list_modes, list_output
 from ltcgear.runtime.view.tables.sensitivity_tables import chosen, write_listing
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.model import Model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.mechanics.model import Model
+from ltcgear.symbolic.scene.load import load_scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "sensitivities.md"
 FIGURES = PAGE.parent / "images"

@@ -16,12 +16,12 @@ from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.integration import integrate
 from ltcgear.runtime.view.plots import BLUE, GREY, ORANGE, SKY
-from ltcgear.symbolic import gears
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import make_scene
-from ltcgear.symbolic.schema import Scene
-from ltcgear.symbolic.validate import meshes
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.gears import gear_geometry
+from ltcgear.symbolic.scene.load import make_scene
+from ltcgear.symbolic.scene.validate import meshes
+from ltcgear.symbolic.schema.scene_schema import Scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "friction.md"
 FIGURE = PAGE.parent / "images" / "friction.png"
@@ -73,8 +73,8 @@ def geometry(made: Scene) -> tuple[float, int, float, float]:
     """Return u = z_2 / z_1, z_1, and the parts of the contact ratio on both sides of the pitch point."""
     (stage,) = made.stages.values()
     ((_, _, one, two, sigma),) = (found for found in meshes(stage) if found[1].friction)
-    first, last = gears.path_of_contact(stage, one, two, sigma)
-    pitch = 2 * pi * gears.base_radius(stage, one) / one.teeth
+    first, last = gear_geometry.path_of_contact(stage, one, two, sigma)
+    pitch = 2 * pi * gear_geometry.base_radius(stage, one) / one.teeth
     return sigma * two.teeth / one.teeth, one.teeth, -first / pitch, last / pitch
 
 

@@ -12,9 +12,9 @@ from ltcgear.runtime.linear.floquet import Floquet, find_multipliers
 from ltcgear.runtime.linear.periodic import vary
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.view.figures.stability_figures import draw_chart
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "stability.md"
 FIGURE = PAGE.parent / "images" / "stability-lsp.png"

@@ -5,11 +5,11 @@ Run as ``python -m benchmarks.table4``.
 
 from pathlib import Path
 
-from ltcgear.symbolic import gears, mesh_stiffness
-from ltcgear.symbolic.mesh_schema import Mesh
-from ltcgear.symbolic.scene import load_scene
-from ltcgear.symbolic.schema import Planetary
-from ltcgear.symbolic.validate import meshes
+from ltcgear.symbolic.gears import gear_geometry, mesh_stiffness
+from ltcgear.symbolic.scene.load import load_scene
+from ltcgear.symbolic.scene.validate import meshes
+from ltcgear.symbolic.schema.mesh_schema import Mesh
+from ltcgear.symbolic.schema.scene_schema import Planetary
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "stiffness.md"
 BEGIN, END = "<!-- table4 -->\n", "<!-- end -->\n"
@@ -30,7 +30,7 @@ def rows() -> list[dict[str, float | str | tuple[float, float]]]:
         width = stage.planet.disc.width
         for key, mesh, one, two, sigma in meshes(stage):
             single, double = mesh_stiffness.levels(stage, Mesh(face_width=f"{width} m"), one, two, sigma)
-            radii = gears.base_radius(stage, one), gears.base_radius(stage, two)
+            radii = gear_geometry.base_radius(stage, one), gear_geometry.base_radius(stage, two)
             printed = mesh.torsional_stiffness or 0.0
             found.append(
                 {

@@ -7,19 +7,19 @@ from importlib import import_module
 from typing import Any
 
 _HOME = {
-    "SceneBuilder": "builder",
-    "describe_scene": "scene",
-    "load_scene": "scene",
-    "make_scene": "scene",
-    "read_source": "scene",
-    "restore_scene": "scene",
-    "shipped_scenes": "scene",
-    "Template": "template",
-    "build_model": "build",
-    "derive": "equations",
-    "generate": "pipeline",
-    "steer_loads": "steering",
-    "check_model": "checks.run",
+    "SceneBuilder": "scene.builder",
+    "describe_scene": "scene.load",
+    "load_scene": "scene.load",
+    "make_scene": "scene.load",
+    "read_source": "scene.load",
+    "restore_scene": "scene.load",
+    "shipped_scenes": "scene.load",
+    "Template": "emit.template",
+    "build_model": "assembly",
+    "derive": "mechanics.equations",
+    "generate": "emit.pipeline",
+    "steer_loads": "scene.steering",
+    "check_model": "checks.all_checks",
     "check_paper": "checks.paper",
 }
 __all__ = list(_HOME)

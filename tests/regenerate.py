@@ -12,10 +12,10 @@ from ltcgear.runtime.export.plain_c.data import Run, write_data
 from ltcgear.runtime.export.plain_c.kit import write_kit
 from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.simulation.sampling_rate import find_rate
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.effect_page import write_effects
-from ltcgear.symbolic.pipeline import generate
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.describe.effect_page import write_effects
+from ltcgear.symbolic.emit.pipeline import generate
+from ltcgear.symbolic.scene.load import load_scene
 
 COMMITTED = {"rig-2mw": "rig_2mw", "lin-parker-3": "lin_parker_3"}
 ROOT = Path(__file__).parents[1]

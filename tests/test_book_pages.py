@@ -9,8 +9,8 @@ import pytest
 from ltcgear.symbolic.book import pages, volume
 from ltcgear.symbolic.book.content import Book, Chapter
 from ltcgear.symbolic.book.notation import escape
-from ltcgear.symbolic.checks import run as checks_run
-from ltcgear.symbolic.checks.base import Check
+from ltcgear.symbolic.checks import all_checks as checks_run
+from ltcgear.symbolic.checks.check import Check
 from matplotlib.mathtext import MathTextParser
 
 SLY = """Gear <b>&amp;</b> "x" {% raw %} {{ y }} $\\alpha_5^2$ 100 % #1 ~ <% z %>"""

@@ -16,7 +16,7 @@ from ltcgear.runtime.cli import commands
 from ltcgear.runtime.model import cstruct, library
 from ltcgear.runtime.simulation import integration
 from ltcgear.runtime.view.tables import printed
-from ltcgear.symbolic.scene import shipped_scenes
+from ltcgear.symbolic.scene.load import shipped_scenes
 
 SHORT = ("--t-end", "0.01")
 
@@ -116,16 +116,16 @@ def test_cost(data, run, tmp_path):
 
 
 def test_cost_tells_what_cannot_be_run(data, monkeypatch):
-    from ltcgear.symbolic import scene
+    from ltcgear.symbolic.scene import load
 
-    whole = scene.load_scene
+    whole = load.load_scene
 
     def refusing(name, changes=None):
         if "effects.damping" in (changes or {}):
-            raise scene.SceneError("psh: 1 defect\n  effects.damping: contradicts")
+            raise load.SceneError("psh: 1 defect\n  effects.damping: contradicts")
         return whole(name, changes)
 
-    monkeypatch.setattr(scene, "load_scene", refusing)
+    monkeypatch.setattr(load, "load_scene", refusing)
     rows = {row["effect"]: row for row in data("cost", "psh", "--t-end", "0.005")["variants"]}
     assert "contradicts" in rows["damping"]["reason"]
     assert rows["damping"]["states"] is None
@@ -167,7 +167,7 @@ def test_info_without_sources_says_so(run, tmp_path):
 
 
 def test_info_of_a_file(data, tmp_path):
-    from ltcgear.symbolic.scene import SHIPPED
+    from ltcgear.symbolic.scene.load import SHIPPED
 
     path = tmp_path / "mine [1].toml"
     path.write_text((SHIPPED / "psh.toml").read_text("utf-8"), encoding="utf-8")
@@ -189,7 +189,7 @@ def piped(text):
 def test_a_scene_from_a_pipe_is_kept_and_varied(data, tmp_path):
     """Results keep its text, and variants are made of it, though a pipe can be read once only."""
     import xarray as xr
-    from ltcgear.symbolic.scene import SHIPPED
+    from ltcgear.symbolic.scene.load import SHIPPED
 
     text = (SHIPPED / "psh.toml").read_text("utf-8")
     with piped(text) as path:
@@ -216,7 +216,7 @@ def test_a_path_that_cannot_be_one_is_exit_code_2(refused, command, tmp_path):
 
 @pytest.mark.parametrize("name", [b"gear\xff\x1b[31m.toml", b"x" * 245 + b".toml"], ids=["not UTF-8", "long"])
 def test_odd_names_of_files_work_and_are_not_obeyed(run, name, tmp_path):
-    from ltcgear.symbolic.scene import SHIPPED
+    from ltcgear.symbolic.scene.load import SHIPPED
 
     path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/" + name))
     path.write_text(
@@ -336,8 +336,8 @@ def test_pace(factor, text):
 
 
 def test_a_failed_check_is_exit_code_1(data, monkeypatch):
-    from ltcgear.symbolic.checks import run as checks
-    from ltcgear.symbolic.checks.base import judged
+    from ltcgear.symbolic.checks import all_checks as checks
+    from ltcgear.symbolic.checks.check import judged
 
     monkeypatch.setattr(checks, "check_model", lambda model: [judged("broken on purpose", 1.0, 1e-9, "test")])
     shown = data("check", "psh", code=1)

@@ -1,8 +1,8 @@
 """Pages that follow from the code are what the code gives, byte for byte."""
 
 import pytest
-from ltcgear.symbolic import effect_page
-from ltcgear.symbolic.effects import EFFECTS, Effect, Exclusion
+from ltcgear.symbolic.describe import effect_page
+from ltcgear.symbolic.schema.effects import EFFECTS, Effect, Exclusion
 
 from regenerate import PAGES, ROOT
 

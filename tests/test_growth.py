@@ -4,10 +4,10 @@ import json
 from importlib import import_module
 
 import pytest
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.emit import emit
-from ltcgear.symbolic.equations import derive
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.c_text import emit
+from ltcgear.symbolic.mechanics.equations import derive
+from ltcgear.symbolic.scene.load import load_scene
 
 from regenerate import ROOT
 

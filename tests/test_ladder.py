@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 from ltcgear.runtime.studies.cost import MEASURES
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 PATH = Path(__file__).parents[1] / "benchmarks" / "ladder.py"
 

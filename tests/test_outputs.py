@@ -15,7 +15,7 @@ from ltcgear.runtime.results import row_file
 from ltcgear.runtime.results.result import load
 from ltcgear.runtime.results.row_file import part_of
 from ltcgear.runtime.simulation import recording
-from ltcgear.symbolic.scene import SHIPPED
+from ltcgear.symbolic.scene.load import SHIPPED
 
 RUN = ("--t-end", "0.002")
 VARY = ("--vary", "loads.ring.speed=5 rpm:20 rpm:2", "--t-end", "0.01", "--workers", "1")

@@ -13,9 +13,9 @@ from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.methods.segment_methods import METHODS
 from ltcgear.runtime.studies.accuracy.record import digest_numbers, read_record
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 from records import make_record
 from regenerate import ROOT

@@ -15,9 +15,9 @@ from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.comparison import compare
 from ltcgear.runtime.studies.wu2021.table9 import FACTOR_AIM, MEAN_AIM, tell_loads
 from ltcgear.runtime.view.wu2021.paper_page import fitted
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import SHIPPED, load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import SHIPPED, load_scene
 
 from regenerate import ROOT
 

@@ -9,7 +9,8 @@ import pytest
 from ltcgear import runtime, symbolic
 from ltcgear.runtime import analysis
 from ltcgear.runtime.cli.app import app
-from ltcgear.symbolic import gears, load_scene
+from ltcgear.symbolic import load_scene
+from ltcgear.symbolic.gears import gear_geometry
 from typer.main import get_command
 
 from regenerate import ROOT
@@ -158,5 +159,5 @@ def test_numbers_of_the_guide_follow_from_the_drawing(data, monkeypatch):
     shown = data("info", "winch.toml")
     assert shown["static_mesh_forces_n"]["gear.sun_planet"] == pytest.approx(300 / (3 * 33.83e-3), rel=1e-3)
     assert f"{shown['static_mesh_forces_n']['gear.sun_planet']:.0f} N" in text
-    assert gears.stage_distance(stage) == pytest.approx(96e-3, abs=1e-6)
+    assert gear_geometry.stage_distance(stage) == pytest.approx(96e-3, abs=1e-6)
     assert shown["speed_ratios"]["drum"] == pytest.approx(1 / (1 + 78 / 18))

@@ -14,8 +14,8 @@ from ltcgear.generated import store
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.simulate import simulate
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import generate
 
 from .scenes import train
 

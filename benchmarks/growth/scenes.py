@@ -1,7 +1,7 @@
 """Trains of any size: planetary stages in series, of which each sun drives the next carrier."""
 
-from ltcgear.symbolic.builder import SceneBuilder
-from ltcgear.symbolic.schema import Scene
+from ltcgear.symbolic.scene.builder import SceneBuilder
+from ltcgear.symbolic.schema.scene_schema import Scene
 
 SUN, PLANET, RING = 100.0, 20.0, 140.0
 """Base radii [mm]: planets so small that twelve find room round the sun."""

@@ -9,9 +9,9 @@ from time import perf_counter
 
 from ltcgear.generated import store
 from ltcgear.runtime.model.library import build
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import content_key, generate
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import content_key, generate
+from ltcgear.symbolic.scene.load import load_scene
 
 from .stage import SCENE, SETTINGS
 

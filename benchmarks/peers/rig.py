@@ -11,9 +11,9 @@ from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.model.vibration_scale import vibration_scale
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]

@@ -26,7 +26,7 @@ from ltcgear.runtime import build, find_equilibrium, find_modes, linearise, simu
 from ltcgear.symbolic import SceneBuilder, build_model, check_model, generate
 from ltcgear.symbolic.elements import TYPES, Element, Output, Port
 from ltcgear.symbolic.elements.base import positive
-from ltcgear.symbolic.model import Parameter
+from ltcgear.symbolic.mechanics.model import Parameter
 from scipy.integrate import solve_ivp
 
 K, K3, C = positive("k_t"), positive("k_3"), positive("c_t")
@@ -187,18 +187,19 @@ plt.show()
 # Into the house
 # --------------
 # ``TYPES`` is the one list of element types, so an element from outside works as those
-# from inside do. One thing it cannot do: ``ltcgear.symbolic.pipeline.obtain``, which
+# from inside do. One thing it cannot do: ``ltcgear.symbolic.emit.pipeline.obtain``, which
 # keeps C between runs, does not see a change of an element that stands outside; use
 # ``generate``. To make such a law part of ltcgear, so that a scene can call for it:
 #
 # 1. The element goes into a file in ``symbolic/elements``, with its source, and into
-#    ``TYPES``. What it reports is named in ``QUANTITIES`` of ``symbolic/equations.py``.
-# 2. The effect is a row in ``symbolic/effects.py``: name, values, the value that leaves
-#    it out, help, source, what it needs and excludes. Validation, help, costs and the
+#    ``TYPES``. What it reports is named in ``QUANTITIES`` of
+#    ``symbolic/mechanics/equations.py``.
+# 2. The effect is a row in ``symbolic/schema/effects.py``: name, values, the value that
+#    leaves it out, help, source, what it needs and excludes. Validation, help, costs and the
 #    page :doc:`/effects` follow from it.
-# 3. Its numbers get a key with a unit in ``symbolic/schema.py``, where ``faults`` tells
-#    what is wrong with them.
-# 4. ``symbolic/build`` places the instance when the effect is on, and nothing otherwise:
+# 3. Its numbers get a key with a unit in ``symbolic/schema/scene_schema.py``, where
+#    ``faults`` tells what is wrong with them.
+# 4. ``symbolic/assembly`` places the instance when the effect is on, and nothing otherwise:
 #    ``draft.number`` for each parameter, ``draft.place`` for the element.
 # 5. Tests: a closed form or a published number for the law; data for every pair of
 #    effects (``tests/runtime/everything.py``) and a variant for the energy balance

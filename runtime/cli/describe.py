@@ -16,7 +16,7 @@ from .options import AsJson, CFolder, Changes, Force, Fresh, MaybeScene, Printed
 @app.command()
 def scenes(as_json: AsJson = False) -> None:
     """List the shipped scenes."""
-    from ltcgear.symbolic.scene import load_scene, shipped_scenes
+    from ltcgear.symbolic.scene.load import load_scene, shipped_scenes
 
     listed = [{"name": name, "title": load_scene(name).title} for name in shipped_scenes()]
     printed.show(as_json, {"scenes": listed}, printed.scenes)
@@ -25,7 +25,7 @@ def scenes(as_json: AsJson = False) -> None:
 @app.command()
 def effects(as_json: AsJson = False) -> None:
     """List the effects a scene can call for."""
-    from ltcgear.symbolic.effect_page import list_effects
+    from ltcgear.symbolic.describe.effect_page import list_effects
 
     printed.show(as_json, {"effects": list_effects()}, printed.effects)
 
@@ -33,7 +33,7 @@ def effects(as_json: AsJson = False) -> None:
 @app.command()
 def info(scene: SceneName, sources: Sources = False, changes: Changes = None, as_json: AsJson = False) -> None:
     """Describe a scene: freedoms, geometry, motion, forces, loads."""
-    from ltcgear.symbolic.overview import survey
+    from ltcgear.symbolic.describe.overview import survey
 
     opened = open_scene(scene, changes)
     data = survey(opened.scene, opened.model, opened.artifact.manifest)
@@ -54,9 +54,9 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
 
         printed.show(as_json, {"equations": [asdict(verdict) for verdict in check_paper()]}, printed.paper_verdicts)
         return
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.checks.run import check_model
-    from ltcgear.symbolic.scene import load_scene
+    from ltcgear.symbolic.assembly import build_model
+    from ltcgear.symbolic.checks.all_checks import check_model
+    from ltcgear.symbolic.scene.load import load_scene
 
     results = check_model(build_model(load_scene(scene or "", split_changes(changes))))
     listed = [asdict(result) for result in results]

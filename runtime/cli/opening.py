@@ -13,9 +13,9 @@ from ..results.terminal import tell
 from .progress import progress
 
 if TYPE_CHECKING:
-    from ltcgear.symbolic.model import Model
-    from ltcgear.symbolic.scene import Source
-    from ltcgear.symbolic.schema import Scene
+    from ltcgear.symbolic.mechanics.model import Model
+    from ltcgear.symbolic.scene.load import Source
+    from ltcgear.symbolic.schema.scene_schema import Scene
 
     from ..export.plain_c.data import Run
     from ..linear.modes import Mode
@@ -60,12 +60,12 @@ def open_scene(
     the scene names; ``steered`` turns its constant loads into
     tables, which are its inputs.
     """
-    from ltcgear.symbolic.advice import warnings
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.pipeline import content_key, obtain
-    from ltcgear.symbolic.report import load_warnings
-    from ltcgear.symbolic.scene import describe_scene, load_scene, read_source
-    from ltcgear.symbolic.steering import steer_loads
+    from ltcgear.symbolic.assembly import build_model
+    from ltcgear.symbolic.describe.advice import warnings
+    from ltcgear.symbolic.describe.geometry_report import load_warnings
+    from ltcgear.symbolic.emit.pipeline import content_key, obtain
+    from ltcgear.symbolic.scene.load import describe_scene, load_scene, read_source
+    from ltcgear.symbolic.scene.steering import steer_loads
 
     clock = perf_counter()
     replaced = split_changes(changes)
@@ -140,9 +140,9 @@ class Restored:
 
 def restore_modes(scene_json: str, wanted: bool = True) -> Restored:
     """Find the modes of the scene that a result holds, as ``ltcgear modes`` does; what cannot be had is left out."""
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.pipeline import obtain
-    from ltcgear.symbolic.scene import restore_scene
+    from ltcgear.symbolic.assembly import build_model
+    from ltcgear.symbolic.emit.pipeline import obtain
+    from ltcgear.symbolic.scene.load import restore_scene
 
     from ..linear.modes import find_modes
     from ..linear.naming import describe_modes
@@ -167,10 +167,10 @@ def restore_modes(scene_json: str, wanted: bool = True) -> Restored:
 
 def open_variants(changes: dict[str, str], opened: Opened) -> "list[Variant]":
     """Build a scene and what it is with each of its effects left out; what is not possible keeps its reason."""
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.pipeline import obtain
-    from ltcgear.symbolic.scene import load_scene
-    from ltcgear.symbolic.variants import list_changes
+    from ltcgear.symbolic.assembly import build_model
+    from ltcgear.symbolic.describe.variants import list_changes
+    from ltcgear.symbolic.emit.pipeline import obtain
+    from ltcgear.symbolic.scene.load import load_scene
 
     from ..model.library import build
     from ..studies.cost import Variant

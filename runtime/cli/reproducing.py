@@ -107,7 +107,7 @@ def _linear(scene: str, changes: list[str] | None) -> tuple["Linear", list["Mode
 
 def _full_torque(changes: list[str] | None) -> float:
     """Return the generator's torque in the scene [N m], the end of the page's step."""
-    from ltcgear.symbolic.scene import load_scene
+    from ltcgear.symbolic.scene.load import load_scene
 
     torque = load_scene(RIGS["assumed"], split_changes(changes)).loads["generator"].torque
     if torque is None:

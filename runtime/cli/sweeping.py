@@ -17,7 +17,7 @@ from .options import AsJson, Changes, EndTime, Force, Long, Method, Raw, SceneNa
 from .progress import progress
 
 if TYPE_CHECKING:
-    from ltcgear.symbolic.template import Template
+    from ltcgear.symbolic.emit.template import Template
 
     from ..studies.sweep.planning import Told
 
@@ -78,7 +78,7 @@ def sweep(
     as_json: AsJson = False,
 ) -> None:
     """Simulate a scene at many points, and keep metrics of each. Run again, it goes on where it was stopped."""
-    from ltcgear.symbolic.template import Template
+    from ltcgear.symbolic.emit.template import Template
 
     from ..studies.sweep.run_sweep import sweep as sweep_scene
     from ..studies.sweep.run_sweep import tell_kept
@@ -106,9 +106,9 @@ def sweep(
 def _warn(template: "Template") -> None:
     """Tell what is doubtful about the scene as it is, where it can be built without being varied."""
     from ltcgear.generated.errors import SceneError
-    from ltcgear.symbolic.advice import warnings
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.report import load_warnings
+    from ltcgear.symbolic.assembly import build_model
+    from ltcgear.symbolic.describe.advice import warnings
+    from ltcgear.symbolic.describe.geometry_report import load_warnings
 
     try:
         scene = template.scene({})

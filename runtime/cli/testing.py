@@ -34,9 +34,9 @@ def open_bench(name: str, changes: Mapping[str, str]) -> "Bench":
 @cache
 def _bench(name: str, changes: tuple[tuple[str, str], ...]) -> "Bench":
     """Build a scene."""
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.pipeline import obtain
-    from ltcgear.symbolic.scene import load_scene
+    from ltcgear.symbolic.assembly import build_model
+    from ltcgear.symbolic.emit.pipeline import obtain
+    from ltcgear.symbolic.scene.load import load_scene
 
     from ..model.library import build
     from ..studies.selftest.case import Bench

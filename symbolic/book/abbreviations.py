@@ -9,17 +9,7 @@ from collections.abc import Callable, Iterator
 import sympy as sp
 
 from ..elements.base import Element, real
-from ..elements.bearing import (
-    CARRIER,
-    EPS,
-    PLANET,
-    X0,
-    Y0,
-    K,
-    pin_deflection,
-    pin_place,
-    pin_speed,
-)
+from ..elements.bearing import CARRIER, EPS, PLANET, X0, Y0, K, pin_deflection, pin_place, pin_speed
 from ..elements.clearance import Race
 from ..elements.contact import Rest, Switch
 from ..elements.mesh import ERROR, ERROR_RATE, GAP, ONE, TWO, Geometry, S, approach, deflection, geometry, torsional_law

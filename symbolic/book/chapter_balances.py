@@ -2,13 +2,13 @@
 
 import sympy as sp
 
+from ..describe.variants import freedoms
 from ..elements.base import real
-from ..frames import FrameMotion
-from ..model import Body, Model
-from ..variants import freedoms
-from .assembly import Assembly, assemble, list_terms
+from ..mechanics.frames import FrameMotion
+from ..mechanics.model import Body, Model
 from .chapter_laws import name_places
 from .content import Chapter, Maths, Part
+from .model_equations import Assembly, assemble, list_terms
 from .motion import Assignment, has_turning_frame
 from .notation import break_sum, fill_lines, put_signs, typeset, write_name
 

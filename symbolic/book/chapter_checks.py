@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Sequence
 
-from ..checks.base import Check
+from ..checks.check import Check
 from .content import Chapter, Mark, Maths
 from .paper_rows import PrintedRow, write_paper_name
 

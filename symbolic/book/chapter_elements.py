@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator
 
 from ..elements.base import real
-from ..model import Instance, Model
+from ..mechanics.model import Instance, Model
 from . import waves
 from .chapter_laws import law_anchor, write_unit
 from .content import Chapter, Link, Maths, Part, Text

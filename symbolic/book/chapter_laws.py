@@ -5,9 +5,9 @@ from collections.abc import Iterable
 import sympy as sp
 
 from ..elements.base import COORDINATE_UNITS, RATE_UNITS, real
-from ..frames import FrameMotion
-from ..lagrange import kinetic_energy
-from ..model import Model
+from ..mechanics.frames import FrameMotion
+from ..mechanics.lagrange import kinetic_energy
+from ..mechanics.model import Model
 from .content import Chapter, Maths, Text
 from .laws import Law, write_law
 from .motion import has_turning_frame

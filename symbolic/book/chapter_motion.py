@@ -3,7 +3,7 @@
 import sympy as sp
 
 from ..elements.base import real
-from ..model import Model
+from ..mechanics.model import Model
 from .content import Chapter, Maths
 from .motion import has_turning_frame, rotate
 from .notation import break_sum, typeset

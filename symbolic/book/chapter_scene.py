@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from typing import Any
 
-from ..freedoms import explain_freedoms
-from ..model import Model
-from ..report import describe
-from ..schema import Scene
-from ..variants import acting_effects
+from ..describe.freedoms import explain_freedoms
+from ..describe.geometry_report import describe
+from ..describe.variants import acting_effects
+from ..mechanics.model import Model
+from ..schema.scene_schema import Scene
 from .chapter_laws import write_unit
 from .content import Chapter, Part
 

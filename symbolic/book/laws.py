@@ -6,9 +6,9 @@ from functools import cache
 
 import sympy as sp
 
-from ..checks.base import title
+from ..checks.check import title
 from ..elements import Element, make
-from ..lagrange import forces
+from ..mechanics.lagrange import forces
 from .abbreviations import list_steps
 from .folding import Folded, Step, fold
 from .letters import ABSOLUTE, LETTERS, PECULIAR, Letter

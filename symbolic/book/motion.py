@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import sympy as sp
 
 from ..elements.base import real
-from ..model import Body, Model
+from ..mechanics.model import Body, Model
 
 Six = tuple[sp.Expr, sp.Expr, sp.Expr, sp.Expr, sp.Expr, sp.Expr]
 COORDINATES = {"x": ("x", "v_x"), "y": ("y", "v_y"), "u": ("u", "u_d")}

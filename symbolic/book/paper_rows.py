@@ -8,7 +8,7 @@ from functools import cache
 import sympy as sp
 
 from ..checks.paper import Verdict, judge_row
-from ..paper import RIGHT, ROWS, Row
+from ..wu2021 import RIGHT, ROWS, Row
 from .notation import Printer, escape, fill_lines, put_signs
 
 GREEK = ("alpha", "beta", "gamma", "delta", "epsilon", "theta", "mu", "xi", "phi")

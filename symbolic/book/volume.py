@@ -9,10 +9,10 @@ from ltcgear.generated.contract import Manifest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import check_output, write_text
 
-from ..checks.base import Check
-from ..model import Model
-from ..schema import Scene
-from ..variants import acting_effects
+from ..checks.check import Check
+from ..describe.variants import acting_effects
+from ..mechanics.model import Model
+from ..schema.scene_schema import Scene
 from .chapter_balances import write_balances
 from .chapter_checks import KINDS, write_checks, write_identity, write_paper
 from .chapter_elements import write_elements, write_meshes

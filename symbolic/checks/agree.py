@@ -13,13 +13,13 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import lagrange
 from ..elements import make
-from ..equations import Equations, derive
-from ..frames import FrameMotion
-from ..joints import rotate
-from ..model import Model
-from .base import Check, judged
+from ..mechanics import lagrange
+from ..mechanics.equations import Equations, derive
+from ..mechanics.frames import FrameMotion
+from ..mechanics.joints import rotate
+from ..mechanics.model import Model
+from .check import Check, judged
 from .nominal import at_nominal
 from .zero import vanishing
 

@@ -20,10 +20,10 @@ from ..elements import Element, make
 from ..elements.base import Port, positive, real
 from ..elements.contact import Rest, Switch
 from ..elements.mesh import D0, ERROR_RATE, EX, EY, S
-from ..lagrange import forces
-from ..lower import lower
-from ..model import STIFFNESS, Body, Instance, Model
-from .base import Check, Key, Writer, element_types, judged, title
+from ..mechanics.lagrange import forces
+from ..mechanics.lower import lower
+from ..mechanics.model import STIFFNESS, Body, Instance, Model
+from .check import Check, Key, Writer, element_types, judged, title
 from .zero import vanishing
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
-from ..model import Body, Instance, Model
+from ..mechanics.model import Body, Instance, Model
 
 
 def at_nominal(model: Model) -> Model:

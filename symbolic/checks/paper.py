@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from ..paper import EXACT, MEANING, ROWS, Row, text
+from ..wu2021 import EXACT, MEANING, ROWS, Row, text
 from .paper_grades import bench_for, explain, grade, left_out
 from .paper_notes import list_notes
 

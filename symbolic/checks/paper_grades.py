@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import sympy as sp
 
-from ..paper import MEANING, ROWS, Edit, Row, edits, evaluate
+from ..wu2021 import MEANING, ROWS, Edit, Row, edits, evaluate
 from .paper_derived import SIZES, Bench, benches
 from .paper_states import KIND, STATES, Array
 

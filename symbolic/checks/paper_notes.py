@@ -6,10 +6,10 @@ from itertools import combinations
 import numpy as np
 import sympy as sp
 
-from ..paper import ROWS, Row, evaluate, exchange
-from ..paper.laws import START
-from ..paper.letters import d_PR, d_PR0, d_PS, d_PS0
-from ..paper.slips import STRUCTURAL
+from ..wu2021 import ROWS, Row, evaluate, exchange
+from ..wu2021.printed_laws import START
+from ..wu2021.printed_letters import d_PR, d_PR0, d_PS, d_PS0
+from ..wu2021.slips import STRUCTURAL
 from .paper_derived import benches
 from .paper_grades import TOLERANCE, bench_for, grade, repair
 from .paper_states import KIND, Array, Values

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from ..elements import Element, make
 from ..elements.base import COORDINATE_UNITS, RATE_UNITS
 from ..elements.contact import Given
-from ..lower import lower
-from ..model import ERROR_RATE, TURN, Instance, Model
-from ..units import dimension
-from .base import Check, Writer, element_types, judged, title
+from ..mechanics.lower import lower
+from ..mechanics.model import ERROR_RATE, TURN, Instance, Model
+from ..schema.units import dimension
+from .check import Check, Writer, element_types, judged, title
 
 Array = NDArray[np.float64]
 

@@ -65,7 +65,7 @@ def test_committed_c_compiles_without_a_warning(folder: str, tmp_path: Path) -> 
 
 
 def test_an_equation_changed_changes_the_c(monkeypatch: pytest.MonkeyPatch) -> None:
-    from ltcgear.symbolic import lower
+    from ltcgear.symbolic.mechanics import lower
 
     lower.element_function.cache_clear()
     monkeypatch.setitem(lower.UNARY, lower.sp.atan, lower.ca.sin)

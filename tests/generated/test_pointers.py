@@ -6,8 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 from ltcgear.generated import store
-from ltcgear.symbolic.emit import c_text
-from ltcgear.symbolic.pointers import BODY, READ, WRITE, look_once
+from ltcgear.symbolic.emit.c_text import c_text
+from ltcgear.symbolic.emit.pointers import BODY, READ, WRITE, look_once
 
 
 @pytest.fixture(scope="module")

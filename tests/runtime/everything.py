@@ -12,11 +12,11 @@ from functools import cache
 from itertools import combinations, product
 from typing import Any
 
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.effects import BY_NAME, DEFAULTS, EFFECTS, contradictions
-from ltcgear.symbolic.scene import make_scene
-from ltcgear.symbolic.schema import Scene
-from ltcgear.symbolic.variants import same_model
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.describe.variants import same_model
+from ltcgear.symbolic.scene.load import make_scene
+from ltcgear.symbolic.schema.effects import BY_NAME, DEFAULTS, EFFECTS, contradictions
+from ltcgear.symbolic.schema.scene_schema import Scene
 
 from .models import change
 

@@ -1,7 +1,7 @@
 """Numbers of a train by hand: inertias, speed ratios, and everything about a mesh that its bodies do not decide."""
 
 import numpy as np
-from ltcgear.symbolic.schema import Planetary
+from ltcgear.symbolic.schema.scene_schema import Planetary
 
 from reference import hand_forces as hand
 from reference import hand_profiles as profiles

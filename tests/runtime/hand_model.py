@@ -8,7 +8,7 @@ of micrometres to ten digits.
 from dataclasses import dataclass, field
 
 import numpy as np
-from ltcgear.symbolic.schema import Planetary
+from ltcgear.symbolic.schema.scene_schema import Planetary
 
 from reference import hand_forces as hand
 

@@ -10,11 +10,11 @@ from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.model.library import Library, build
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.integration import Trajectory, integrate
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.model import Model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import SHIPPED, make_scene
-from ltcgear.symbolic.schema import Scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.mechanics.model import Model
+from ltcgear.symbolic.scene.load import SHIPPED, make_scene
+from ltcgear.symbolic.schema.scene_schema import Scene
 
 MESHES = {
     "lsp": ("lsp.sun_planet", "lsp.ring_planet"),

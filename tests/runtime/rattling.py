@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 from ltcgear.runtime import build, simulate, write_fmu
 from ltcgear.runtime.model.library import Library
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
-from ltcgear.symbolic.steering import steer_loads
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
+from ltcgear.symbolic.scene.steering import steer_loads
 
 SCENE = """
 title = "Two gears that rattle"

@@ -16,7 +16,7 @@ from ltcgear.runtime.linear import chart
 from ltcgear.runtime.studies.accuracy import phases
 from ltcgear.runtime.studies.accuracy.record import write_record
 from ltcgear.symbolic import Template
-from ltcgear.symbolic.scene import SHIPPED
+from ltcgear.symbolic.scene.load import SHIPPED
 
 from .models import case
 

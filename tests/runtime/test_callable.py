@@ -14,7 +14,7 @@ from ltcgear.runtime import Dynamics, build
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.phase_wrapping import Clocks
 from ltcgear.runtime.model.rows import Batch, over_time
-from ltcgear.symbolic.pipeline import generate
+from ltcgear.symbolic.emit.pipeline import generate
 from scipy.integrate import solve_ivp
 from sksundae.cvode import CVODE
 

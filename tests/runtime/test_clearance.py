@@ -12,13 +12,13 @@ from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.energy_balance import energy_residual
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.checks.run import check_model
-from ltcgear.symbolic.effects import DEFAULTS
-from ltcgear.symbolic.model import BASIS, Body, Instance, Model, Parameter
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene, make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.checks.all_checks import check_model
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.mechanics.model import BASIS, Body, Instance, Model, Parameter
+from ltcgear.symbolic.scene.load import load_scene, make_scene
+from ltcgear.symbolic.schema.effects import DEFAULTS
 
 from .models import Case, case, raw_scene
 

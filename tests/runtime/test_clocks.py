@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from ltcgear.runtime.model.phase_wrapping import TURN, Clocks, rational
 from ltcgear.runtime.model.quantity_names import PHASES
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.emit import emit, functions
-from ltcgear.symbolic.equations import derive
-from ltcgear.symbolic.scene import make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.c_text import emit, functions
+from ltcgear.symbolic.mechanics.equations import derive
+from ltcgear.symbolic.scene.load import make_scene
 
 from .models import case, raw_scene
 from .variants import GRAVITY, TORSIONAL, VARIANTS

@@ -11,10 +11,10 @@ from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.vibration_scale import fastest, vibration_scale
 from ltcgear.runtime.simulation.simulate import simulate
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.effects import DEFAULTS
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene, shipped_scenes
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene, shipped_scenes
+from ltcgear.symbolic.schema.effects import DEFAULTS
 
 from .everything import DISSIPATIVE, ZERO, acting, allowed, beside, covering, everything, labelled, without
 from .models import Case

@@ -12,9 +12,9 @@ from ltcgear.runtime.studies.selftest.case import Bench
 from ltcgear.runtime.studies.selftest.impact import Impact
 from ltcgear.runtime.studies.selftest.pair import Pair
 from ltcgear.runtime.studies.selftest.planets import RubbingPlanets
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 from scipy.integrate import solve_ivp
 
 CASES = {case.name: case for case in (*contact_cases.CASES, *friction_cases.CASES)}

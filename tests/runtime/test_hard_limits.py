@@ -13,9 +13,9 @@ from ltcgear.runtime.simulation.method_limits import check_explicit
 from ltcgear.runtime.simulation.output_reader import sampled
 from ltcgear.runtime.studies.selftest import limit_cases, symmetry_cases
 from ltcgear.runtime.studies.selftest.case import Bench
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 
 CASES = {case.name: case for case in (*limit_cases.CASES, *symmetry_cases.CASES)}
 

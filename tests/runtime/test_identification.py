@@ -11,8 +11,8 @@ from benchmarks.identification.rig import combinations, rig_choices, rig_targets
 from benchmarks.identification.screening import screen, spread_points
 from benchmarks.identification.unknowns import Unknown, bounds_of, changes_of, read_unknowns
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.scene.load import load_scene
 
 from .models import case
 

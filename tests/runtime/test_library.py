@@ -15,9 +15,9 @@ from ltcgear import runtime, symbolic
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
 from ltcgear.runtime.model.library import load
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import make_scene
 
 SETUP = """
 import numpy as np

@@ -16,7 +16,7 @@ from ltcgear.runtime.simulation.integration import integrate
 from ltcgear.runtime.simulation.methods.segment_methods import METHODS
 from ltcgear.runtime.simulation.output_reader import sampled
 from ltcgear.runtime.simulation.simulate import simulate
-from ltcgear.symbolic.pipeline import content_key
+from ltcgear.symbolic.emit.pipeline import content_key
 
 from .models import case, change, make_case, raw_scene
 from .test_switching import border_count, nominal_phase, share_of
@@ -324,8 +324,8 @@ def test_a_small_disturbance_dies_at_the_slope_of_the_slip_law():
 
 
 def test_tables_are_numbers_and_no_structure():
-    from ltcgear.symbolic.build import build_model
-    from ltcgear.symbolic.scene import make_scene
+    from ltcgear.symbolic.assembly import build_model
+    from ltcgear.symbolic.scene.load import make_scene
 
     one, two, constant = (
         build_model(make_scene(shaft(load)))

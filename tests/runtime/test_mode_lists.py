@@ -10,9 +10,9 @@ from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model import equilibrium
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import build
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import shipped_scenes
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import shipped_scenes
 
 from reference import lin_parker
 

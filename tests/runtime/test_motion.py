@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
 
 from .everything import covering, everything
 from .models import Case, case

@@ -11,7 +11,7 @@ from ltcgear.runtime.studies.accuracy.record import digest_numbers, keep, kept_p
 from ltcgear.runtime.studies.accuracy.selection import read_percentage, select_setting
 from ltcgear.runtime.view.figures.accuracy_figures import PANELS, draw_all
 from ltcgear.runtime.view.tables.accuracy_tables import make_tables
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.scene.load import load_scene
 
 from records import gap, make_record
 

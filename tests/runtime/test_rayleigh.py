@@ -7,10 +7,10 @@ from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.energy_balance import energy_residual
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.checks.run import check_model
-from ltcgear.symbolic.scene import load_scene, make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.checks.all_checks import check_model
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.scene.load import load_scene, make_scene
 
 from .models import TORQUE_DRIVEN, case, raw_scene
 

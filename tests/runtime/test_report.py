@@ -13,7 +13,7 @@ from ltcgear.runtime.cli import reporting
 from ltcgear.runtime.results.checksums import SUMS
 from ltcgear.runtime.view.report.page import write_report
 from ltcgear.symbolic import build_model, load_scene
-from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.emit.pipeline import obtain
 
 from reports import Page, simulate_into
 

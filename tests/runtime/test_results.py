@@ -17,7 +17,7 @@ from ltcgear.runtime.results.file_schema import FORM
 from ltcgear.runtime.results.table_export import export
 from ltcgear.runtime.simulation.ensemble import simulate_many
 from ltcgear.symbolic import build_model, describe_scene, load_scene, restore_scene
-from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.emit.pipeline import obtain
 from scipy.io import loadmat
 
 

@@ -8,7 +8,7 @@ from ltcgear.runtime.results.statistics import window
 from ltcgear.runtime.simulation.low_pass import BAND
 from ltcgear.runtime.simulation.sampling_rate import HARMONICS, LEAST, choose_rate, mesh_frequency
 from ltcgear.symbolic import build_model, load_scene
-from ltcgear.symbolic.pipeline import obtain
+from ltcgear.symbolic.emit.pipeline import obtain
 
 from .models import case
 

@@ -10,10 +10,10 @@ from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.studies.sensitivity.items import list_modes
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.model import Parameter
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.mechanics.model import Parameter
+from ltcgear.symbolic.scene.load import make_scene
 
 from reference import lin_parker
 

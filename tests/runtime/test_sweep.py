@@ -19,7 +19,7 @@ from ltcgear.runtime.results.row_file import part_of
 from ltcgear.runtime.studies.sweep import filling as sweeping
 from ltcgear.runtime.studies.sweep import task
 from ltcgear.symbolic import Template
-from ltcgear.symbolic.scene import SHIPPED
+from ltcgear.symbolic.scene.load import SHIPPED
 
 from sweep_trace import Traced
 

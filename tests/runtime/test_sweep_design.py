@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.studies.sweep.axes import Axis, read_axes, read_axis
 from ltcgear.runtime.studies.sweep.design import SAMPLES, Design, draw_design
-from ltcgear.symbolic.units import parse
+from ltcgear.symbolic.schema.units import parse
 
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False)
 UNITS = st.sampled_from(["", "um", "rpm", "N*m/rad", "1/s"])

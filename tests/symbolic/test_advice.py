@@ -1,8 +1,8 @@
 """Effects that are on and cannot act are told, and only those."""
 
 import pytest
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.scene import load_scene, shipped_scenes
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.scene.load import load_scene, shipped_scenes
 
 COEFFICIENT = {"stages.lsp.sun_planet.friction.coefficient": "0.05"}
 

@@ -5,8 +5,8 @@ from copy import deepcopy
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic.effects import DEFAULTS, EFFECTS, contradictions
-from ltcgear.symbolic.scene import load_scene, make_scene, read_source
+from ltcgear.symbolic.scene.load import load_scene, make_scene, read_source
+from ltcgear.symbolic.schema.effects import DEFAULTS, EFFECTS, contradictions
 
 from .advised import ADVISED
 

@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 import sympy as sp
-from ltcgear.symbolic.book.assembly import assemble, list_terms
+from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.book.chapter_balances import write_balances
 from ltcgear.symbolic.book.chapter_elements import _grouped, write_elements, write_meshes
 from ltcgear.symbolic.book.chapter_laws import write_laws
@@ -16,17 +16,17 @@ from ltcgear.symbolic.book.content import Chapter, Grid
 from ltcgear.symbolic.book.folding import Step, fold, unfold
 from ltcgear.symbolic.book.laws import write_law
 from ltcgear.symbolic.book.letters import LETTERS
+from ltcgear.symbolic.book.model_equations import assemble, list_terms
 from ltcgear.symbolic.book.notation import break_sum, typeset, write_name
 from ltcgear.symbolic.book.paper_rows import PaperPrinter, print_rows, write_paper_name
 from ltcgear.symbolic.book.waves import COS, COUNT, LEVEL, SIN, TAU, WAVES, Rise
-from ltcgear.symbolic.build import build_model
 from ltcgear.symbolic.checks.agree import random_points
 from ltcgear.symbolic.checks.paper import check_paper
-from ltcgear.symbolic.emit import functions
-from ltcgear.symbolic.equations import derive
-from ltcgear.symbolic.paper import ROWS
-from ltcgear.symbolic.profiles import evaluate as evaluate_profile
-from ltcgear.symbolic.scene import load_scene, make_scene, shipped_scenes
+from ltcgear.symbolic.emit.c_text import functions
+from ltcgear.symbolic.mechanics.equations import derive
+from ltcgear.symbolic.mechanics.profiles import evaluate as evaluate_profile
+from ltcgear.symbolic.scene.load import load_scene, make_scene, shipped_scenes
+from ltcgear.symbolic.wu2021 import ROWS
 
 from ..runtime.everything import covering, everything, labelled
 from ..runtime.models import raw_scene

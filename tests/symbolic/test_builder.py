@@ -5,7 +5,7 @@ import tomllib
 import pytest
 from ltcgear.generated.errors import SceneError
 from ltcgear.symbolic import SceneBuilder, build_model, load_scene
-from ltcgear.symbolic.scene import SHIPPED
+from ltcgear.symbolic.scene.load import SHIPPED
 
 
 @pytest.mark.parametrize("name", ["rig-2mw", "psh", "lin-parker-4", "floating-off"])

@@ -7,17 +7,17 @@ from time import perf_counter
 
 import pytest
 import sympy as sp
-from ltcgear.symbolic import lower
-from ltcgear.symbolic.build import build_model
+from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.checks import agree, identity, physics
-from ltcgear.symbolic.checks.base import Check, Key, judged
-from ltcgear.symbolic.checks.run import check_model
+from ltcgear.symbolic.checks.all_checks import check_model
+from ltcgear.symbolic.checks.check import Check, Key, judged
 from ltcgear.symbolic.checks.zero import vanishing
 from ltcgear.symbolic.elements import Element, make
-from ltcgear.symbolic.equations import Equations, derive
-from ltcgear.symbolic.frames import FrameMotion
-from ltcgear.symbolic.model import Instance, Model
-from ltcgear.symbolic.scene import SHIPPED, load_scene, make_scene, shipped_scenes
+from ltcgear.symbolic.mechanics import lower
+from ltcgear.symbolic.mechanics.equations import Equations, derive
+from ltcgear.symbolic.mechanics.frames import FrameMotion
+from ltcgear.symbolic.mechanics.model import Instance, Model
+from ltcgear.symbolic.scene.load import SHIPPED, load_scene, make_scene, shipped_scenes
 
 FRICTION = {
     "effects.gravity": "on",

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.checks.run import check_model
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.checks.all_checks import check_model
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.scene.load import load_scene
 
 from ..runtime.models import case
 

@@ -4,13 +4,13 @@ import json
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic import effects
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.checks.run import check_model
-from ltcgear.symbolic.effects import DEFAULTS, EFFECTS, Exclusion
-from ltcgear.symbolic.pipeline import generate
-from ltcgear.symbolic.scene import make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.checks.all_checks import check_model
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.emit.pipeline import generate
+from ltcgear.symbolic.scene.load import make_scene
+from ltcgear.symbolic.schema import effects
+from ltcgear.symbolic.schema.effects import DEFAULTS, EFFECTS, Exclusion
 
 from ..runtime.everything import (
     BARE,

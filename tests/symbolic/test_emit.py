@@ -7,11 +7,11 @@ import numpy as np
 from ltcgear.runtime.export.fmu.binary import compile_fmu
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.methods.segment_methods import whole_c
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.emit import c_text
-from ltcgear.symbolic.pipeline import generate
-from ltcgear.symbolic.pointers import look_once
-from ltcgear.symbolic.scene import make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.c_text import c_text
+from ltcgear.symbolic.emit.pipeline import generate
+from ltcgear.symbolic.emit.pointers import look_once
+from ltcgear.symbolic.scene.load import make_scene
 
 
 def test_the_text_is_what_casadi_writes_into_a_file(tmp_path):

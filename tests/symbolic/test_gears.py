@@ -3,9 +3,9 @@
 from math import acos, atan, cos, degrees, pi, radians, sin, sqrt, tan
 
 import pytest
-from ltcgear.symbolic import gears
-from ltcgear.symbolic.gears import contact_ratio, inverse_involute, involute, standard_centre_distance
-from ltcgear.symbolic.schema import Gear, Stage
+from ltcgear.symbolic.gears import gear_geometry
+from ltcgear.symbolic.gears.gear_geometry import contact_ratio, inverse_involute, involute, standard_centre_distance
+from ltcgear.symbolic.schema.scene_schema import Gear, Stage
 
 ALPHA = "20 deg"
 
@@ -21,7 +21,9 @@ def gear(teeth, shift=0.0):
 def working_angle(stage, one, two, sigma):
     """Return the working pressure angle [deg] from the centre distance, cos a_w = sum of r_b / a."""
     distance = standard_centre_distance(stage, one, two, sigma)
-    return degrees(acos((gears.base_radius(stage, one) + sigma * gears.base_radius(stage, two)) / distance))
+    return degrees(
+        acos((gear_geometry.base_radius(stage, one) + sigma * gear_geometry.base_radius(stage, two)) / distance)
+    )
 
 
 @pytest.mark.parametrize("angle", [0.01, 0.5, 5, 14.5, 20, 25, 45, 60, 80, 89, 89.9])
@@ -50,17 +52,19 @@ def test_involute_table():
 
 
 def test_base_radius_of_spur_and_helical_gears():
-    assert gears.base_radius(tooth_system("16 mm"), gear(118)) == pytest.approx(0.944 * cos(radians(20)), rel=1e-14)
+    assert gear_geometry.base_radius(tooth_system("16 mm"), gear(118)) == pytest.approx(
+        0.944 * cos(radians(20)), rel=1e-14
+    )
     helical = tooth_system("9 mm", helix_angle="8 deg")
-    module, alpha = gears.transverse(helical)
+    module, alpha = gear_geometry.transverse(helical)
     assert module == pytest.approx(0.009 / cos(radians(8)), rel=1e-14)
     assert degrees(alpha) == pytest.approx(20.18, abs=0.005)  # READING.md: 20.18 deg
-    assert gears.base_radius(helical, gear(59)) == pytest.approx(59 * module / 2 * cos(alpha), rel=1e-14)
+    assert gear_geometry.base_radius(helical, gear(59)) == pytest.approx(59 * module / 2 * cos(alpha), rel=1e-14)
 
 
 def test_a_given_base_radius_is_taken():
     given = Gear.model_validate({"base_radius": "45 mm", "support": "fixed"})
-    assert gears.base_radius(tooth_system(), given) == 0.045
+    assert gear_geometry.base_radius(tooth_system(), given) == 0.045
 
 
 def closed_form(z1, z2):
@@ -119,9 +123,9 @@ def test_a_profile_shifted_external_pair():
     base diameters 33.8289 and 67.6579 mm.
     """
     stage, one, two = tooth_system("3 mm"), gear(12, 0.6), gear(24, 0.36)
-    assert 2e3 * gears.base_radius(stage, one) == pytest.approx(33.8289, abs=6e-5)
-    assert 2e3 * gears.base_radius(stage, two) == pytest.approx(67.6579, abs=6e-5)
-    assert gears.working_involute(stage, one, two, 1) == pytest.approx(0.034317, abs=6e-6)
+    assert 2e3 * gear_geometry.base_radius(stage, one) == pytest.approx(33.8289, abs=6e-5)
+    assert 2e3 * gear_geometry.base_radius(stage, two) == pytest.approx(67.6579, abs=6e-5)
+    assert gear_geometry.working_involute(stage, one, two, 1) == pytest.approx(0.034317, abs=6e-6)
     assert working_angle(stage, one, two, 1) == pytest.approx(26.0888, abs=3e-3)
     assert 1e3 * standard_centre_distance(stage, one, two, 1) == pytest.approx(56.500, abs=2e-3)
 
@@ -135,7 +139,7 @@ def test_a_profile_shifted_helical_pair():
     beta = acos(3.5 * 61 / 2 / 114.3447280708)
     stage = tooth_system("3.5 mm", helix_angle=f"{beta!r} rad")
     one, two = gear(31, 0.291), gear(30, 0.651877131252 - 0.291)
-    assert degrees(gears.transverse(stage)[1]) == pytest.approx(21.2990642859, abs=1e-9)
+    assert degrees(gear_geometry.transverse(stage)[1]) == pytest.approx(21.2990642859, abs=1e-9)
     assert working_angle(stage, one, two, 1) == pytest.approx(23.8707609654, abs=1e-8)
     assert 1e3 * standard_centre_distance(stage, one, two, 1) == pytest.approx(116.5, abs=1e-8)
 
@@ -146,7 +150,7 @@ def test_a_profile_shifted_internal_pair():
     Printed: inv of the working angle 0.060401, 31.0937 deg, centre distance 13.1683 mm.
     """
     stage, ring, pinion = tooth_system("3 mm"), gear(24, 0.5), gear(16)
-    assert gears.working_involute(stage, ring, pinion, -1) == pytest.approx(0.060401, abs=1e-6)
+    assert gear_geometry.working_involute(stage, ring, pinion, -1) == pytest.approx(0.060401, abs=1e-6)
     assert working_angle(stage, ring, pinion, -1) == pytest.approx(31.0937, abs=1e-4)
     assert 1e3 * standard_centre_distance(stage, ring, pinion, -1) == pytest.approx(13.1683, abs=1e-4)
 
@@ -163,7 +167,7 @@ def test_the_rig_s_hsp_runs_at_408_mm():
 
 def test_shifts_that_cancel_leave_the_standard_distance():
     stage = tooth_system("5 mm", helix_angle="12 deg")
-    module, _ = gears.transverse(stage)
+    module, _ = gear_geometry.transverse(stage)
     assert standard_centre_distance(stage, gear(20, 0.3), gear(40, -0.3), 1) == pytest.approx(30 * module, rel=1e-12)
 
 
@@ -172,17 +176,17 @@ def test_interference_of_external_pairs(z1, z2, cut):
     """A 20 deg rack undercuts below 17.1 teeth; 17 teeth clear up to 1309 (Shigley, interference)."""
     stage = tooth_system()
     distance = standard_centre_distance(stage, gear(z1), gear(z2), 1)
-    assert gears.interference(stage, gear(z1), gear(z2), 1, distance) is cut
+    assert gear_geometry.interference(stage, gear(z1), gear(z2), 1, distance) is cut
 
 
 def test_interference_of_internal_pairs():
     stage = tooth_system()
     for z_ring, z_planet, cut in [(118, 48, False), (40, 14, True)]:
         distance = standard_centre_distance(stage, gear(z_ring), gear(z_planet), -1)
-        assert gears.interference(stage, gear(z_ring), gear(z_planet), -1, distance) is cut
+        assert gear_geometry.interference(stage, gear(z_ring), gear(z_planet), -1, distance) is cut
 
 
 def test_transverse_angle_is_that_of_the_paper_s_psh():
-    assert gears.transverse(tooth_system("9 mm", helix_angle="8 deg"))[1] == pytest.approx(
+    assert gear_geometry.transverse(tooth_system("9 mm", helix_angle="8 deg"))[1] == pytest.approx(
         atan(tan(radians(20)) / cos(radians(8))), rel=1e-15
     )

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from ltcgear.symbolic import gears
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.scene import load_scene, make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.gears import gear_geometry
+from ltcgear.symbolic.scene.load import load_scene, make_scene
 
 from ..runtime.models import case, raw_scene
 
@@ -83,7 +83,7 @@ def test_thinner_teeth_open_the_gap():
     stage = make_scene(raw).stages["psh"]
     transverse = np.arctan(np.tan(np.radians(20)) / np.cos(np.radians(8)))
     expected = 100e-6 / np.cos(np.radians(8)) * np.cos(transverse)
-    assert gears.backlash(stage, stage.mesh, stage.input, stage.output) == pytest.approx(expected, rel=1e-12)
+    assert gear_geometry.backlash(stage, stage.mesh, stage.input, stage.output) == pytest.approx(expected, rel=1e-12)
     assert build_model(make_scene(raw)).values()["psh.mesh.backlash"] == pytest.approx(expected)
 
 

@@ -2,9 +2,9 @@
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic import train
-from ltcgear.symbolic.report import describe, load_warnings
-from ltcgear.symbolic.scene import load_scene, make_scene, restore_scene
+from ltcgear.symbolic.describe.geometry_report import describe, load_warnings
+from ltcgear.symbolic.gears import train
+from ltcgear.symbolic.scene.load import load_scene, make_scene, restore_scene
 
 RPM = 0.10471975511965977
 SLIP = {"synchronous_speed": "-100 rad/s", "breakdown_torque": "500 N*m", "breakdown_slip": 0.1}

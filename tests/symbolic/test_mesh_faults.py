@@ -2,8 +2,8 @@
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.scene import make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.scene.load import make_scene
 
 from ..runtime.models import raw_scene
 

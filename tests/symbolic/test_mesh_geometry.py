@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from ltcgear.symbolic.elements import make
-from ltcgear.symbolic.lower import element_function
+from ltcgear.symbolic.mechanics.lower import element_function
 
 SIZES = {"external": (1, 0.11, 0.27, 0.4), "internal": (-1, 0.27, 0.11, 0.17)}
 """The sign sigma, both base radii and the nominal centre distance [m]."""

@@ -1,10 +1,10 @@
 """The two levels of a mesh's stiffness, given or computed."""
 
 import pytest
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.mesh_stiffness import levels
-from ltcgear.symbolic.report import describe
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.describe.geometry_report import describe
+from ltcgear.symbolic.gears.mesh_stiffness import levels
+from ltcgear.symbolic.scene.load import load_scene
 
 from ..runtime.models import case
 

@@ -9,8 +9,8 @@ from ltcgear.symbolic.checks import paper as check
 from ltcgear.symbolic.checks import paper_grades as grades
 from ltcgear.symbolic.checks.paper_derived import benches
 from ltcgear.symbolic.checks.paper_states import STATES
-from ltcgear.symbolic.paper import EXACT, ROWS, Row, evaluate, exchange
-from ltcgear.symbolic.paper import letters as paper
+from ltcgear.symbolic.wu2021 import EXACT, ROWS, Row, evaluate, exchange
+from ltcgear.symbolic.wu2021 import letters as paper
 
 VERDICTS = {(v.equation, v.row): v for v in check.check_paper()}
 BY_KEY = {(row.equation, row.label): row for row in ROWS}

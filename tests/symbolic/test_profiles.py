@@ -3,9 +3,9 @@
 import casadi as ca
 import numpy as np
 import pytest
-from ltcgear.symbolic import gears, mesh_stiffness
-from ltcgear.symbolic.profiles import evaluate
-from ltcgear.symbolic.scene import load_scene, make_scene
+from ltcgear.symbolic.gears import gear_geometry, mesh_stiffness
+from ltcgear.symbolic.mechanics.profiles import evaluate
+from ltcgear.symbolic.scene.load import load_scene, make_scene
 
 SHARE, WIDTH = 0.37, 0.2
 
@@ -106,12 +106,12 @@ def rig_pair(**mesh):
 def test_arcs_follow_the_computed_curve():
     pair = rig_pair(face_width="400 mm")
     found = mesh_stiffness.arcs(*pair)
-    from ltcgear.symbolic.tooth_stiffness import Tooth
-    from ltcgear.symbolic.tooth_stiffness import mesh_stiffness as computed
+    from ltcgear.symbolic.gears.tooth_stiffness import Tooth
+    from ltcgear.symbolic.gears.tooth_stiffness import mesh_stiffness as computed
 
     one, two = Tooth(22, 0.016, np.radians(20)), Tooth(48, 0.016, np.radians(20))
     phase, k = computed(one, two, 0.4, pair[0].center_distance or (22 + 48) * 0.008)
-    share = gears.single_share(*pair)
+    share = gear_geometry.single_share(*pair)
     away = np.minimum(np.abs(phase - share), np.minimum(phase, 1 - phase)) > 2e-3
     for here, level in ((phase < share, 0.0), (phase >= share, 1.0)):
         value, _ = curve("arcs", (share, *found), phase[here & away], level)

@@ -6,11 +6,11 @@ from typing import get_args
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic.quantities import Quantity
-from ltcgear.symbolic.ranges import MODULE, RANGES
-from ltcgear.symbolic.scene import make_scene, read_source
-from ltcgear.symbolic.schema import Pair, Planetary, Scene
-from ltcgear.symbolic.series import Series
+from ltcgear.symbolic.scene.load import make_scene, read_source
+from ltcgear.symbolic.schema.quantities import Quantity
+from ltcgear.symbolic.schema.ranges import MODULE, RANGES
+from ltcgear.symbolic.schema.scene_schema import Pair, Planetary, Scene
+from ltcgear.symbolic.schema.series import Series
 from pydantic import BaseModel
 
 DOCS = Path(__file__).parents[2] / "docs" / "scenes.md"

@@ -8,9 +8,9 @@ import tomllib
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.effects import DEFAULTS, EFFECTS, contradictions
-from ltcgear.symbolic.scene import LARGEST_FILE, SHIPPED, load_scene, make_scene, restore_scene, shipped_scenes
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.scene.load import LARGEST_FILE, SHIPPED, load_scene, make_scene, restore_scene, shipped_scenes
+from ltcgear.symbolic.schema.effects import DEFAULTS, EFFECTS, contradictions
 
 LABELS = ("printed:", "derived:", "assumed:", "fitted:")
 QUANTITY = re.compile(r"\s*[+-]?[0-9.]")

@@ -5,8 +5,8 @@ import math
 from typing import Annotated
 
 import pytest
-from ltcgear.symbolic.schema import Table
-from ltcgear.symbolic.series import LARGEST_FILE, MOST_ROWS, MOST_TOLD, Pairs, Series
+from ltcgear.symbolic.schema.scene_schema import Table
+from ltcgear.symbolic.schema.series import LARGEST_FILE, MOST_ROWS, MOST_TOLD, Pairs, Series
 from pydantic import ValidationError
 
 

@@ -8,10 +8,10 @@ import pytest
 from ltcgear.generated.errors import SceneError
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.energy_balance import energy_residual
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.checks.run import check_model
-from ltcgear.symbolic.lower import element_function
-from ltcgear.symbolic.scene import load_scene, make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.checks.all_checks import check_model
+from ltcgear.symbolic.mechanics.lower import element_function
+from ltcgear.symbolic.scene.load import load_scene, make_scene
 
 from ..runtime.models import case, raw_scene
 

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic import files
-from ltcgear.symbolic.scene import LARGEST_FILE, SHIPPED, load_scene, make_scene, read_source, shipped_scenes
-from ltcgear.symbolic.template import Template
-from ltcgear.symbolic.toml import MOST_PARTS, find_excess, parse_toml
+from ltcgear.symbolic.emit.template import Template
+from ltcgear.symbolic.scene.load import LARGEST_FILE, SHIPPED, load_scene, make_scene, read_source, shipped_scenes
+from ltcgear.symbolic.scene.toml import MOST_PARTS, find_excess, parse_toml
+from ltcgear.symbolic.schema import source_files
 
 PSH = (SHIPPED / "psh.toml").read_text(encoding="utf-8")
 LIMIT = 20.0  # [s], generous: without bounds these texts take minutes and gigabytes
@@ -136,13 +136,13 @@ def test_a_pipe_is_read_once_and_keeps_its_text(tmp_path, late):
 
 
 def test_a_pipe_into_which_nobody_writes_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "ABSENT", 0.1)
+    monkeypatch.setattr(source_files, "ABSENT", 0.1)
     os.mkfifo(tmp_path / "pipe")
     assert "into which nobody wrote for 0.1 s; start its writer" in refused(tmp_path / "pipe")
 
 
 def test_a_pipe_whose_writer_is_silent_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(files, "SILENT", 0.1)
+    monkeypatch.setattr(source_files, "SILENT", 0.1)
     os.mkfifo(tmp_path / "pipe")
     keep = os.open(tmp_path / "pipe", os.O_RDWR)
     assert "whose writer sent nothing for 0.1 s; write a file first" in refused(tmp_path / "pipe")

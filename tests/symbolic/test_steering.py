@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from ltcgear.runtime import build, simulate
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
-from ltcgear.symbolic.steering import steer_loads
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
+from ltcgear.symbolic.scene.steering import steer_loads
 
 
 def test_numbers_become_tables():

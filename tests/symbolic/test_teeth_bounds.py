@@ -2,9 +2,9 @@
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.scene import load_scene, make_scene
-from ltcgear.symbolic.schema import MOST_MEMBERS
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.scene.load import load_scene, make_scene
+from ltcgear.symbolic.schema.scene_schema import MOST_MEMBERS
 
 PSH, LSP = "stages.psh.", "stages.lsp."
 ERRORS = {  # key, what is written around the length; psh has a module of 9 mm, lsp one of 16 mm

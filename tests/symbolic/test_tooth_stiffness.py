@@ -5,10 +5,10 @@ from math import cos, log, pi, radians, sin, sqrt, tan
 
 import numpy as np
 import pytest
-from ltcgear.symbolic import gears
-from ltcgear.symbolic import tooth_stiffness as ts
-from ltcgear.symbolic.schema import Gear, Stage
-from ltcgear.symbolic.tooth_stiffness import Material, Tooth
+from ltcgear.symbolic.gears import gear_geometry
+from ltcgear.symbolic.gears import tooth_stiffness as ts
+from ltcgear.symbolic.gears.tooth_stiffness import Material, Tooth
+from ltcgear.symbolic.schema.scene_schema import Gear, Stage
 
 ALPHA = radians(20)
 
@@ -177,9 +177,9 @@ def test_contact_ratio_and_distance_agree_with_the_gear_geometry(pair):
     sigma = -1 if two.internal else 1
     stage, gear, mate = reference_stage(one), reference_gear(one), reference_gear(two)
     first, second = (mate, gear) if two.internal else (gear, mate)  # there the ring comes first
-    ratio = gears.contact_ratio(stage, first, second, sigma, distance)
+    ratio = gear_geometry.contact_ratio(stage, first, second, sigma, distance)
     assert ts.path_of_contact(one, two, distance).contact_ratio == pytest.approx(ratio, rel=1e-12)
-    free = gears.standard_centre_distance(stage, first, second, sigma)
+    free = gear_geometry.standard_centre_distance(stage, first, second, sigma)
     assert ts.working_distance(one, two) == pytest.approx(free, rel=1e-12)
     assert ts.working_distance(two, one) == pytest.approx(free, rel=1e-12)
 

@@ -4,9 +4,9 @@ from math import cos, pi, radians, tau
 
 import pytest
 from ltcgear.generated.errors import SceneError
-from ltcgear.symbolic import train
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.scene import load_scene, make_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.gears import train
+from ltcgear.symbolic.scene.load import load_scene, make_scene
 
 LSP, HSP, PSH = -118 / 22, 1 + 118 / 17, -59 / 21
 RPM = tau / 60

@@ -3,8 +3,8 @@
 from math import pi
 
 import pytest
-from ltcgear.symbolic import units
-from ltcgear.symbolic.units import EXAMPLES, dimension, parse
+from ltcgear.symbolic.schema import units
+from ltcgear.symbolic.schema.units import EXAMPLES, dimension, parse
 
 GOOD = [
     ("16 mm", "m", 0.016),

@@ -1,12 +1,13 @@
 """Variants of a scene with one effect left out, what effects do in it, and why each freedom is there."""
 
 import pytest
-from ltcgear.symbolic import effects, variants
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.effects import EFFECTS, Exclusion
-from ltcgear.symbolic.freedoms import explain_freedoms
-from ltcgear.symbolic.scene import load_scene, shipped_scenes
-from ltcgear.symbolic.variants import Change, acting_effects, freedoms, list_changes
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.describe import variants
+from ltcgear.symbolic.describe.freedoms import explain_freedoms
+from ltcgear.symbolic.describe.variants import Change, acting_effects, freedoms, list_changes
+from ltcgear.symbolic.scene.load import load_scene, shipped_scenes
+from ltcgear.symbolic.schema import effects
+from ltcgear.symbolic.schema.effects import EFFECTS, Exclusion
 
 
 def listed(name, changes=None):

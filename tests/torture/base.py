@@ -14,8 +14,8 @@ def _compile(few: bool) -> int:
     from ltcgear.runtime.model.cstruct import engine
     from ltcgear.runtime.model.library import build
     from ltcgear.symbolic import build_model, load_scene
-    from ltcgear.symbolic.pipeline import obtain
-    from ltcgear.symbolic.scene import shipped_scenes
+    from ltcgear.symbolic.emit.pipeline import obtain
+    from ltcgear.symbolic.scene.load import shipped_scenes
 
     engine()
     for name in FEW if few else shipped_scenes():

@@ -8,7 +8,7 @@ from copy import deepcopy
 from typing import Any
 
 import numpy as np
-from ltcgear.symbolic.effects import EFFECTS
+from ltcgear.symbolic.schema.effects import EFFECTS
 
 QUANTITY = re.compile(r"([-+]?[0-9.]+(?:[eE][-+]?\d+)?) (.*)", re.DOTALL)
 NUMBERS = (0, -1, 1e300, -1e300, 1e-300, 5e-324, float("nan"), float("inf"), 10**30, -(2**63), 10**400, 0.1, 1e7, 2**31)

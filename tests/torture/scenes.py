@@ -17,12 +17,12 @@ from ltcgear.runtime.results.result import Result
 from ltcgear.runtime.simulation.simulate import WRONG as OPEN_BALANCE
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic import build_model, load_scene
-from ltcgear.symbolic.advice import warnings
-from ltcgear.symbolic.effects import EFFECTS
-from ltcgear.symbolic.model import Model
-from ltcgear.symbolic.pipeline import content_key, generate
-from ltcgear.symbolic.report import load_warnings
-from ltcgear.symbolic.scene import SHIPPED, describe_scene, read_source, restore_scene, shipped_scenes
+from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.describe.geometry_report import load_warnings
+from ltcgear.symbolic.emit.pipeline import content_key, generate
+from ltcgear.symbolic.mechanics.model import Model
+from ltcgear.symbolic.scene.load import SHIPPED, describe_scene, read_source, restore_scene, shipped_scenes
+from ltcgear.symbolic.schema.effects import EFFECTS
 
 from .mutations import TEXTS, Mutator, damage, places, write_toml
 from .outcome import RIGHT, STOPPED, Verdict

@@ -1,0 +1,90 @@
+"""The model and its meshes while they are being put together, the only mutable values of the pipeline."""
+
+from dataclasses import dataclass, field
+
+from ltcgear.generated.contract import Clock, Signal
+
+from ..gears import train
+from ..mechanics.model import HOLD, Body, Instance, Level, Parameter, Phase, Profile
+from ..schema.mesh_schema import Mesh
+from ..schema.scene_schema import Gear, Pair, Planetary, Scene
+from ..schema.series import Pairs
+
+
+@dataclass
+class MeshPlace:
+    """One mesh on its way into the model: names (of all equal ones, and its own), gears, and what its law needs.
+
+    ``ahead`` is the angle [rad] from planet 1 to the mesh's own. ``in_plane`` tells that the law knows the gears'
+    places, ``backwards`` that the contact moves away from the tip of gear 1, ``switched`` that a level is needed.
+    """
+
+    name: str
+    label: str
+    stage: Planetary | Pair
+    mesh: Mesh
+    wheels: tuple[Gear, Gear]
+    sigma: int
+    members: tuple[str, str]
+    direction: float
+    ahead: float = 0.0
+    sense: int = 1
+    in_plane: bool = True
+    backwards: bool = False
+    switched: bool = False
+
+    @property
+    def geometry(self) -> tuple[Planetary | Pair, Mesh, Gear, Gear, int]:
+        """Return what the functions of ``mesh_stiffness`` ask for."""
+        return self.stage, self.mesh, *self.wheels, self.sigma
+
+
+@dataclass
+class Draft:
+    """The model while it is being put together (the only mutable value of the pipeline)."""
+
+    scene: Scene
+    rigid: train.Motion
+    statics: dict[str, float]
+    bodies: list[Body] = field(default_factory=list)
+    instances: list[Instance] = field(default_factory=list)
+    levels: list[Level] = field(default_factory=list)
+    phases: list[Phase] = field(default_factory=list)
+    profiles: list[Profile] = field(default_factory=list)
+    parameters: dict[str, Parameter] = field(default_factory=dict)
+    frames: dict[str, str | None] = field(default_factory=lambda: {"": None})
+    leaders: dict[str, str] = field(default_factory=dict)
+    signals: dict[str, Signal] = field(default_factory=dict)
+    tables: dict[str, Pairs] = field(default_factory=dict)
+    clocks: list[Clock] = field(default_factory=list)
+
+    def number(self, name: str, value: float, unit: str) -> str:
+        """Note a parameter and return its name."""
+        self.parameters[name] = Parameter(name, float(value), unit)
+        return name
+
+    def hold(self, border: str, unit: str) -> str:
+        """Note what holds the regime on one side of a border."""
+        return self.number(HOLD + border, 0.0, unit)
+
+    def signal(self, name: str, unit: str, table: str, pairs: Pairs, slope: bool = False) -> str:
+        """Note a load signal with the table it is read from, and return its name."""
+        self.signals[name] = Signal(name, unit, table, slope)
+        self.tables[table] = pairs
+        return name
+
+    def turn(self, name: str, ratio: str | None, frame: str | None = None) -> None:
+        """Note the angle from which something turns for ever, where it does: once for all that turn alike."""
+        known = {(clock.ratio, clock.frame) for clock in self.clocks if not clock.mesh}
+        if ratio != frame and (ratio or "", frame or "") not in known:
+            start = self.number(f"{name}.start_angle", 0.0, "rad")
+            self.clocks.append(Clock(start, "", ratio or "", frame or ""))
+
+    def place(self, name: str, element: tuple[str | bool, ...], bodies: tuple[str, ...], **bind: str) -> None:
+        """Note an element instance."""
+        group = str(element[0])
+        self.instances.append(Instance(name, group, element, bodies, bind))
+
+    def on(self, effect: str) -> bool:
+        """Tell whether an on/off effect is on."""
+        return self.scene.effects[effect] == "on"

@@ -1,0 +1,36 @@
+"""What drives and brakes: the reference speed, torques, tables over time, the slip law."""
+
+from ..gears import train
+from ..schema.scene_schema import Load
+from .draft import Draft
+
+
+def add_reference(draft: Draft) -> None:
+    """Note the reference speed: a parameter, or the signals of a speed over time; none for a train at rest."""
+    leads = {load.member: name for name, load in draft.scene.loads.items() if load.holds}
+    lead = leads.get(draft.rigid.member, "")
+    pairs = draft.scene.loads[lead].speed_over_time if lead else None
+    if pairs is not None:
+        draft.signal("reference.speed", "rad/s", f"loads.{lead}.speed_over_time", pairs)
+        draft.signal("reference.acceleration", "rad/s^2", f"loads.{lead}.speed_over_time", pairs, slope=True)
+    elif draft.rigid.mode != "rest":
+        draft.number("reference.speed", draft.rigid.speed, "rad/s")
+
+
+def add_load(draft: Draft, name: str, load: Load) -> None:
+    """Add the torque of a load; one that holds a speed is part of the motion, and no element."""
+    key = f"loads.{name}"
+    if load.slip is not None:
+        slip = load.slip
+        bind = {
+            "omega_s": draft.number(f"{key}.synchronous_speed", slip.synchronous_speed, "rad/s"),
+            "omega_b": draft.number(f"{key}.breakdown_slip_speed", train.breakdown_speed(slip), "rad/s"),
+            "T_b": draft.number(f"{key}.breakdown_torque", slip.breakdown_torque, "N*m"),
+        }
+        draft.place(key, ("slip_torque",), (load.member,), **bind)
+    elif load.torque_over_time is not None:
+        torque = draft.signal(f"{key}.torque", "N*m", f"{key}.torque_over_time", load.torque_over_time)
+        draft.place(key, ("external_torque",), (load.member,), T=torque)
+    elif load.torque is not None:
+        torque = draft.number(f"{key}.torque", load.torque, "N*m")
+        draft.place(key, ("external_torque",), (load.member,), T=torque)

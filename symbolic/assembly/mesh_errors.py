@@ -1,0 +1,74 @@
+"""What takes from the deflection of a mesh: transmission error, single teeth, a pin out of place."""
+
+from collections.abc import Iterator
+from math import atan2, cos, sin, sqrt
+
+from ..gears import gear_geometry, mesh_stiffness
+from ..mechanics.model import ERROR, ERROR_RATE, Profile
+from ..schema.scene_schema import Planetary
+from .draft import Draft, MeshPlace
+from .rigid import pin_offset
+from .stiffness import note_series
+
+
+def bind_error(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> bool:
+    """Bind the error of a mesh, where it has any; a law in the plane knows itself where pins stand."""
+    found = [*_transmission_error(draft, at), *_tooth_errors(draft, at)]
+    if not at.in_plane:
+        found += _misplaced(draft, at)
+    draft.profiles += found
+    if found:
+        bind |= {"e": ERROR, "e_d": ERROR_RATE}
+    return bool(found)
+
+
+def _transmission_error(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
+    """Note the harmonics of a transmission error: A cos(x + p) = A cos(p) cos(x) - A sin(p) sin(x)."""
+    error = at.mesh.transmission_error
+    if error is None or not draft.on("transmission_error"):
+        return
+    series = [0.0] if error.table is None else mesh_stiffness.table_series(error.table, at.mesh.harmonics)
+    for amplitude, phase in zip(error.amplitudes, error.phases or [0.0] * len(error.amplitudes), strict=True):
+        series += [amplitude * cos(phase), -amplitude * sin(phase)]
+    yield Profile(at.label, "error", "series", note_series(draft, f"{at.name}.transmission_error", series, "m"))
+
+
+def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
+    """Note the teeth that lie out of place."""
+    parts = ("input", "output") if at.name.endswith(".mesh") else tuple(at.name.split(".")[-1].split("_"))
+    for number, item in enumerate(at.mesh.tooth_errors if draft.on("tooth_errors") else ()):
+        if item.planet is not None and not at.label.endswith(f".{item.planet}"):
+            continue
+        teeth = at.wheels[parts.index(item.gear)].teeth
+        key = f"{at.name}.tooth_error_{number}"
+        share = draft.number(f"{at.name}.single_share", gear_geometry.single_share(*at.geometry), "")
+        numbers = (
+            draft.number(key, item.error, "m"),
+            draft.number(f"{key}.tooth", item.tooth, ""),
+            draft.number(f"{key}.teeth", teeth or 0, ""),
+            share,
+        )
+        yield Profile(at.label, "error", "tooth", numbers)
+
+
+def pin_turn(draft: Draft, at: MeshPlace) -> float | None:
+    """Return by how much a pin out of place turns the line of centres [rad]; None in a stage without such pins."""
+    if not (isinstance(at.stage, Planetary) and draft.on("planet_position_error") and at.stage.position_errors):
+        return None
+    radial, tangential = pin_offset(draft.scene, at.stage, int(at.label.rsplit(".", 1)[1]))
+    return atan2(tangential, gear_geometry.stage_distance(at.stage) + radial)
+
+
+def _misplaced(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
+    """Note by how much a pin out of place turns and opens a mesh whose gears only turn, by the involute's law."""
+    stage, turn = at.stage, pin_turn(draft, at)
+    if turn is None or not isinstance(stage, Planetary):
+        return
+    radial, tangential = pin_offset(draft.scene, stage, int(at.label.rsplit(".", 1)[1]))
+    nominal = gear_geometry.mesh_geometry(stage, *at.wheels, at.sigma)
+    base = nominal.r1 + at.sigma * nominal.r2
+    now = sqrt((nominal.distance + radial) ** 2 + tangential**2 - base**2) / base
+    opened = at.sigma * base * (now - atan2(now, 1.0) - gear_geometry.involute(nominal.alpha))
+    turned = draft.parameters[f"{at.name}.flank"].value * base * turn
+    yield Profile(at.label, "turned", "constant", (draft.number(f"{at.label}.turned", turned, "m"),))
+    yield Profile(at.label, "opening", "constant", (draft.number(f"{at.label}.opened", opened, "m"),))

@@ -1,0 +1,24 @@
+"""Rayleigh damping of a model: every damper from its spring, and every freedom slowed in proportion to its mass."""
+
+from ..schema.scene_schema import Rayleigh
+from .draft import Draft
+
+
+def rayleigh_of(draft: Draft) -> Rayleigh | None:
+    """Return the two factors where the scene calls for Rayleigh damping."""
+    return draft.scene.rayleigh if draft.scene.effects["damping"] == "rayleigh" else None
+
+
+def add_rayleigh(draft: Draft) -> None:
+    """Add the mass-proportional part to every body that has a freedom of its own."""
+    factors = rayleigh_of(draft)
+    if factors is None or not factors.mass:
+        return
+    alpha = draft.number("rayleigh.mass", factors.mass, "1/s")
+    for body in draft.bodies:
+        bind = {"m": body.mass} if body.lateral and body.mass else {}
+        if body.turning == "free" and body.inertia:
+            bind["I"] = body.inertia
+        motion = " and ".join(word for key, word in (("m", "shifting"), ("I", "turning")) if key in bind)
+        if motion:
+            draft.place(body.name, ("rayleigh", motion), (body.name,), alpha=alpha, **bind)

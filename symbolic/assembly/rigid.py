@@ -1,0 +1,113 @@
+"""What is rigidly joined: members of rigid shafts, planets on rigid pins."""
+
+from math import cos, sin
+
+from ..gears import gear_geometry, train
+from ..mechanics.model import Body
+from ..schema.scene_schema import Member, Planetary, PositionError, Rotor, Scene
+from .draft import Draft
+
+
+def turning_of(scene: Scene, rigid: train.Motion, name: str, member: Member | Rotor) -> str:
+    """Say how the angle of a member that turns on its own is described."""
+    if train.is_fixed(member):
+        return "held"
+    if any(load.member == name and load.holds for load in scene.loads.values()):
+        return "driven"
+    return "reference" if rigid.mode == "torque" and rigid.member == name else "free"
+
+
+def find_leaders(scene: Scene, rigid: train.Motion) -> dict[str, str]:
+    """Return member -> the member whose angle it shares, for all that rigid shafts join to another."""
+    if scene.effects["torsional_shafts"] == "flexible":
+        return {}
+    everyone = train.members(scene)
+    rank = {"held": 0, "driven": 1, "reference": 2, "free": 3}
+    group = {name: {name} for name in everyone}
+    for coupling in scene.couplings.values():
+        joined = group[coupling.between[0]] | group[coupling.between[1]]
+        group |= dict.fromkeys(joined, joined)
+    order = {name: (rank[turning_of(scene, rigid, name, m)], i) for i, (name, m) in enumerate(everyone.items())}
+    found = {name: min(names, key=order.__getitem__) for name, names in group.items()}
+    return {name: leader for name, leader in found.items() if leader != name}
+
+
+def rigid_pins(scene: Scene) -> bool:
+    """Tell whether planets sit rigidly on their carriers; without lateral freedom nothing else is left."""
+    return scene.effects["pins"] == "rigid" or scene.effects["lateral"] == "off"
+
+
+def in_plane(scene: Scene) -> bool:
+    """Tell whether the places of gears matter: not, where nothing moves sideways and meshes need angles only."""
+    effects = scene.effects
+    return effects["lateral"] == "on" or effects["mesh_friction"] != "off" or effects["eccentricity"] == "on"
+
+
+def pin_offset(scene: Scene, stage: Planetary, number: int) -> tuple[float, float]:
+    """Return how far a pin lies from its nominal place [m], outwards and along the pin circle."""
+    if scene.effects["planet_position_error"] == "off":
+        return 0.0, 0.0
+    error = next((e for e in stage.position_errors if e.planet == number), PositionError(planet=number))
+    return error.radial, error.tangential
+
+
+def pin_places(scene: Scene, stage: Planetary) -> list[tuple[float, float]]:
+    """Return where the pins are [m], at angle zero of the carrier."""
+    distance, places = gear_geometry.stage_distance(stage), []
+    for number, angle in enumerate(train.planet_angles(stage), start=1):
+        radial, tangential = pin_offset(scene, stage, number)
+        cosine, sine = cos(stage.line_of_centres + angle), sin(stage.line_of_centres + angle)
+        radius = distance + radial
+        places.append((radius * cosine - tangential * sine, radius * sine + tangential * cosine))
+    return places
+
+
+def seated(scene: Scene, name: str) -> tuple[float, float, float, float]:
+    """Return what the planets on a carrier's rigid pins add: mass, inertia, and mass times offset [kg m]."""
+    stage = scene.stages.get(name.split(".")[0])
+    if not (isinstance(stage, Planetary) and name.endswith(".carrier") and rigid_pins(scene)):
+        return 0.0, 0.0, 0.0, 0.0
+    mass = train.inertia_of(stage.planet)[0]
+    places = pin_places(scene, stage)
+    inertia = mass * sum(x * x + y * y for x, y in places)
+    return len(places) * mass, inertia, mass * sum(x for x, _ in places), mass * sum(y for _, y in places)
+
+
+def joined_inertia(draft: Draft, name: str, member: Member | Rotor) -> float:
+    """Return the inertia [kg m^2] of all that turns with a leader: shafts' members, planets on their carriers."""
+    if name.endswith(".planet"):
+        return train.inertia_of(member)[1]
+    everyone = train.members(draft.scene)
+    group = [name, *(other for other, leader in draft.leaders.items() if leader == name)]
+    return sum(train.inertia_of(everyone[other])[1] + seated(draft.scene, other)[1] for other in group)
+
+
+def is_unbalanced(draft: Draft, name: str) -> bool:
+    """Tell whether planets sit unevenly on a member."""
+    stage = draft.scene.stages.get(name.split(".")[0])
+    if not seated(draft.scene, name)[0] or not isinstance(stage, Planetary):
+        return False
+    misplaced = draft.on("planet_position_error") and bool(stage.position_errors)
+    return stage.planets == 1 or stage.planet_angles is not None or misplaced
+
+
+def static_moment(draft: Draft, name: str) -> tuple[str, str] | None:
+    """Note mass times offset of what sits unevenly on a carrier."""
+    if not is_unbalanced(draft, name):
+        return None
+    _, _, x, y = seated(draft.scene, name)
+    return draft.number(f"{name}.static_moment_x", x, "kg*m"), draft.number(f"{name}.static_moment_y", y, "kg*m")
+
+
+def mass_centre(draft: Draft, body: Body, mass: float) -> Body:
+    """Return the point of a body at which its weight acts: itself, or a point of its own where it is unbalanced."""
+    if not is_unbalanced(draft, body.name):
+        return body
+    place = tuple(
+        draft.number(f"{body.name}.mass_centre.{axis}_0", moment / mass, "m")
+        for axis, moment in zip("xy", seated(draft.scene, body.name)[2:], strict=True)
+    )
+    return Body(
+        f"{body.name}.mass_centre", False, "point", None, None, body.ratio, (place[0], place[1]), body.frame,
+        body.leader or body.name, body.name,
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""Descriptions: what a scene amounts to in numbers and words."""

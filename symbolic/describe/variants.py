@@ -1,0 +1,120 @@
+"""Variants of a scene: what it is with one effect left out, and what each effect does in it."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ltcgear.generated.errors import LtcgearError
+
+from ..assembly import build_model
+from ..mechanics.model import Instance, Model
+from ..schema.effects import BY_NAME, EFFECTS, contradictions
+from ..schema.scene_schema import Scene
+
+
+@dataclass(frozen=True)
+class Change:
+    """One effect of a scene at another value."""
+
+    effect: str
+    value: str
+    without: str
+
+
+def with_value(scene: Scene, effect: str, value: str) -> Scene:
+    """Return the scene with another value of one effect."""
+    return scene.model_copy(update={"effects": scene.effects | {effect: value}})
+
+
+def list_changes(scene: Scene, model: Model) -> list[Change]:
+    """List how a scene can be made simpler, one effect at a time.
+
+    Parameters
+    ----------
+    scene, model
+        A scene and its model.
+
+    Returns
+    -------
+    list of Change
+        Every effect that acts, replaced by the value that leaves it out; and every other value of an effect
+        that takes freedoms away. A change that contradicts another effect is among them, an idle effect is not.
+    """
+    return [change for effect in EFFECTS for change in _changes_of(scene, model, effect.name)]
+
+
+def _changes_of(scene: Scene, model: Model, effect: str) -> Iterator[Change]:
+    """Yield the changes of one effect that make the scene simpler."""
+    value, plain = scene.effects[effect], BY_NAME[effect].without
+    for other in BY_NAME[effect].values:
+        if other == value:
+            continue
+        change = Change(effect, value, other)
+        try:
+            made = build_model(with_value(scene, effect, other))
+        except LtcgearError:
+            made = None
+        if made is None or any(contradictions(scene.effects | {effect: other})):
+            if other == plain:
+                yield change
+        elif not same_model(made, model) and (other == plain or freedoms(made) < freedoms(model)):
+            yield change
+
+
+def same_model(one: Model, two: Model) -> bool:
+    """Tell whether two models have the same C and the same numbers."""
+    return (one.structure(), one.values()) == (two.structure(), two.values())
+
+
+def freedoms(model: Model) -> int:
+    """Count the coordinates that move on their own."""
+    return sum(2 * body.lateral + (body.turning in ("free", "reference")) for body in model.bodies)
+
+
+def acting_effects(scene: Scene, model: Model) -> list[dict[str, str]]:
+    """Tell of every effect that is on what it does here.
+
+    Returns
+    -------
+    list of dict
+        ``effect``, ``value``, ``help`` of the table, and ``here``: what the model has more than without it.
+    """
+    listed = []
+    for effect in EFFECTS:
+        value = scene.effects[effect.name]
+        if value == effect.without:
+            continue
+        here = _difference(build_model(with_value(scene, effect.name, effect.without)), model)
+        if not here:
+            continue
+        listed.append({"effect": effect.name, "value": value, "help": effect.help, "here": here})
+    return listed
+
+
+def _difference(plain: Model, model: Model) -> str:
+    """Say what a model has beside a plainer one."""
+    before, now = ({i.name + i.group: i for i in m.instances} for m in (plain, model))
+    changed = [now[key] for key in now if key in before and now[key] != before[key]]
+    old, new = plain.values(), model.values()
+    parts = [
+        *_counted([now[key] for key in now if key not in before], "more"),
+        *_counted([before[key] for key in before if key not in now], "less"),
+        *_counted(changed, "with other terms"),
+        _number(len(model.levels) - len(plain.levels), "stiffness that switches", "stiffnesses that switch"),
+        _number(freedoms(model) - freedoms(plain), "freedom more", "freedoms more"),
+        _number(freedoms(plain) - freedoms(model), "freedom less", "freedoms less"),
+        _number(len(set(new) - set(old)), "number more", "numbers more"),
+        _number(sum(new[key] != old[key] for key in set(new) & set(old)), "other value", "other values"),
+    ]
+    return ", ".join(part for part in parts if part)
+
+
+def _counted(instances: list[Instance], words: str) -> list[str]:
+    """Count elements by kind."""
+    found = Counter(instance.group.replace("_", " ") for instance in instances)
+    return [f"{name}: {count} {words}" for name, count in found.items()]
+
+
+def _number(count: int, one: str, several: str) -> str:
+    """Write a count of something; nothing where there is none."""
+    return "" if count <= 0 else f"{count} {one if count == 1 else several}"

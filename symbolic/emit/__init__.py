@@ -1,0 +1,1 @@
+"""C text: a model's equations become functions, C and a manifest."""

@@ -1,0 +1,1 @@
+"""Gears: geometry, mesh stiffness, rigid-body motion and statics of a train."""

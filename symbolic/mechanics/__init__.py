@@ -1,0 +1,1 @@
+"""Mechanics: a model's coordinates, kinematics and equations of motion."""

@@ -1,0 +1,1 @@
+"""Scenes: read from TOML or made in Python, validated, changed."""
