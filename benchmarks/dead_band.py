@@ -18,8 +18,8 @@ from ltcgear.runtime.studies.selftest.dead_band import (
     LONG_SWEEP,
     SHORT_SWEEP,
     STEPS,
-    Cycles,
     DeadBand,
+    MeshCycles,
     small_amplitude,
     staircase,
 )
@@ -85,7 +85,7 @@ def draw(pair: DeadBand) -> None:
     """Draw the sweep over the whole range, the steady amplitudes and the linear response."""
     times, frequencies, end = LONG_SWEEP
     swept = pair.swept(times, frequencies)
-    cycles: Cycles = swept.cycles(swept.run("erk", end))
+    cycles: MeshCycles = swept.cycles(swept.run("erk", end))
     figure, axis = plt.subplots(figsize=(8, 4.2), layout="constrained")
     turn = (times[1] + times[2]) / 2
     for chosen, colour, label in (

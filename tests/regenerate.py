@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from ltcgear.generated import folders, store
 from ltcgear.runtime.cli.command_page import write_commands
-from ltcgear.runtime.export.plain_c.data import Run, write_data
+from ltcgear.runtime.export.plain_c.data import PlainRun, write_data
 from ltcgear.runtime.export.plain_c.kit import write_kit
 from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.simulation.sampling_rate import find_rate
@@ -39,7 +39,7 @@ def texts(scene: str) -> dict[str, str]:
     bare = Library(artifact.manifest, None, {}, artifact)
     bare = replace(bare, functions=bare.graphs)
     rate = find_rate(bare, model.values(), model.tables, settings.simulation.rate).rate
-    data = write_data(bare, settings.name, Run(model.values(), model.tables, settings.simulation.t_end, rate))
+    data = write_data(bare, settings.name, PlainRun(model.values(), model.tables, settings.simulation.t_end, rate))
     return {name: files[name] for name in ("model.c", "manifest.json")} | {"data.c": data}
 
 

@@ -195,8 +195,8 @@ plt.show()
 #    ``TYPES``. What it reports is named in ``QUANTITIES`` of
 #    ``symbolic/mechanics/equations.py``.
 # 2. The effect is a row in ``symbolic/schema/effects.py``: name, values, the value that
-#    leaves it out, help, source, what it needs and excludes. Validation, help, costs and the
-#    page :doc:`/effects` follow from it.
+#    leaves it out, help, source, what it needs and excludes. Validation, help, costs and
+#    the page :doc:`/effects` follow from it.
 # 3. Its numbers get a key with a unit in ``symbolic/schema/scene_schema.py``, where
 #    ``faults`` tells what is wrong with them.
 # 4. ``symbolic/assembly`` places the instance when the effect is on, and nothing otherwise:

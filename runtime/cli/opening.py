@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ltcgear.symbolic.scene.load import Source
     from ltcgear.symbolic.schema.scene_schema import Scene
 
-    from ..export.plain_c.data import Run
+    from ..export.plain_c.data import PlainRun
     from ..linear.modes import Mode
     from ..linear.system import Linear
     from ..model.library import Library
@@ -95,11 +95,11 @@ def compile_model(opened: Opened) -> "Library":
     return library
 
 
-def read_run(opened: Opened, library: "Library") -> "Run":
+def read_run(opened: Opened, library: "Library") -> "PlainRun":
     """Return what a scene simulates, in numbers."""
-    from ..export.plain_c.data import Run
+    from ..export.plain_c.data import PlainRun
 
-    return Run(opened.model.values(), opened.model.tables, opened.scene.simulation.t_end, rate_of(opened, library))
+    return PlainRun(opened.model.values(), opened.model.tables, opened.scene.simulation.t_end, rate_of(opened, library))
 
 
 def rate_of(opened: Opened, library: "Library") -> float:

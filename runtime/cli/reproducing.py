@@ -81,10 +81,10 @@ def _is_begun(file: Path) -> bool:
 
 def _write_page(results: Mapping[str, "Result"], changes: list[str] | None, path: Path) -> Path:
     """Compute what the page shows beside the long runs, and write it."""
-    from ..view.wu2021.paper_page import Material, write_page
+    from ..view.wu2021.paper_page import PageContent, write_page
 
     linears = {rig: _linear(scene, changes) for rig, scene in RIGS.items()}
-    material = Material(
+    material = PageContent(
         datasets={rig: result.dataset for rig, result in results.items()},
         linears={rig: linear for rig, (linear, _) in linears.items()},
         modes={rig: modes for rig, (_, modes) in linears.items()},

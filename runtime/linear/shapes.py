@@ -13,7 +13,7 @@ SHIFT, TURN = 0.18, 0.7
 
 
 @dataclass(frozen=True)
-class Motion:
+class DiscMotion:
     """How a disc moves in a mode, exaggerated: shift [m] along x and y, and turn [rad], complex amplitudes."""
 
     x: complex
@@ -21,7 +21,7 @@ class Motion:
     turn: complex
 
 
-def exaggerate(linear: Linear, sheet: Sheet, mode: Mode) -> dict[str, Motion]:
+def exaggerate(linear: Linear, sheet: Sheet, mode: Mode) -> dict[str, DiscMotion]:
     """Return the motions of all discs in a mode, so large that they are seen, by body.
 
     All have one factor, so that shifts and turns compare; where turns would be more than ``TURN`` by it, turns
@@ -41,4 +41,4 @@ def exaggerate(linear: Linear, sheet: Sheet, mode: Mode) -> dict[str, Motion]:
     turn = max(abs(row[2]) for row in rows.values())
     factor = SHIFT / max(shift, 1e-300)
     turned = min(factor, TURN / max(turn, 1e-300))
-    return {body: Motion(factor * x, factor * y, turned * u) for body, (x, y, u) in rows.items()}
+    return {body: DiscMotion(factor * x, factor * y, turned * u) for body, (x, y, u) in rows.items()}

@@ -122,7 +122,7 @@ KINDS: dict[str, tuple[Any, str]] = {
 """Kind of a field -> its type in Python, and its declaration in C."""
 
 
-class State(ctypes.Structure):
+class MarchStruct(ctypes.Structure):
     """The structure ``march`` of the C."""
 
     _fields_ = [(name, KINDS[kind][0]) for name, kind, _ in FIELDS]
@@ -149,8 +149,8 @@ def engine() -> ctypes.CDLL:
     if compiler is None:
         raise CompileError(NEEDED)
     found = load(lambda: store.library(source(), compiler), lambda path: ctypes.CDLL(str(path)))
-    found.ltcgear_march.argtypes = [ctypes.POINTER(State), ctypes.c_longlong, ctypes.c_double]
-    found.ltcgear_pass.argtypes = [ctypes.POINTER(State), ctypes.c_double, ctypes.c_double]
+    found.ltcgear_march.argtypes = [ctypes.POINTER(MarchStruct), ctypes.c_longlong, ctypes.c_double]
+    found.ltcgear_pass.argtypes = [ctypes.POINTER(MarchStruct), ctypes.c_double, ctypes.c_double]
     found.ltcgear_pass.restype = None
     column = (ctypes.c_void_p, ctypes.c_longlong)
     found.ltcgear_rows.argtypes = [ctypes.POINTER(Function), ctypes.c_longlong, *column * 4]
@@ -225,7 +225,7 @@ class Native(Shared):
     """The march's state."""
 
     def __init__(self) -> None:
-        super().__init__(State(), KIND)
+        super().__init__(MarchStruct(), KIND)
         self.engine = engine()
 
     def value(self, name: str) -> NDArray[Any]:

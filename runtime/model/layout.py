@@ -16,7 +16,7 @@ GAP = 0.35
 
 
 @dataclass(frozen=True)
-class Disc:
+class Circle:
     """A member as a circle.
 
     Attributes
@@ -53,7 +53,7 @@ class Sheet:
         Size [m]; the middle of the left edge is the origin.
     """
 
-    discs: tuple[Disc, ...]
+    discs: tuple[Circle, ...]
     titles: tuple[tuple[str, float], ...]
     width: float
     height: float
@@ -73,10 +73,10 @@ def lay_out(library: Library, p: Vector) -> Sheet:
     number: Numbers = dict(zip((name for name, _ in library.manifest.parameters), p, strict=True))
     stages = {name: _discs(name, library.manifest, number) for name in _order(library)}
     largest = max((_reach(discs) for discs in stages.values() if discs), default=1.0)
-    placed: list[Disc] = []
+    placed: list[Circle] = []
     titles, left = [], 0.0
     for name, found in stages.items():
-        discs = found or [Disc(name, 0.0, 0.0, largest / 3, "rotor", 0.0)]
+        discs = found or [Circle(name, 0.0, 0.0, largest / 3, "rotor", 0.0)]
         low = min(disc.x - disc.radius for disc in discs)
         high = max(disc.x + disc.radius for disc in discs)
         placed += [replace(disc, x=left + disc.x - low, unit=_reach(discs)) for disc in discs]
@@ -101,26 +101,26 @@ def _order(library: Library) -> list[str]:
     return order
 
 
-def _reach(discs: list[Disc]) -> float:
+def _reach(discs: list[Circle]) -> float:
     """Return how far circles reach from the middle, up and down."""
     return max(abs(disc.y) + disc.radius for disc in discs)
 
 
-def _discs(stage: str, manifest: Manifest, number: Numbers) -> list[Disc]:
+def _discs(stage: str, manifest: Manifest, number: Numbers) -> list[Circle]:
     """Return the circles of a stage about its own middle; none of a rotor."""
     if f"{stage}.mesh.base_radius_1" in number:
         one, two = (number[f"{stage}.mesh.base_radius_{k}"] for k in (1, 2))
         x, y = _place(f"{stage}.output", number, (one + two, 0.0))
         grown = np.hypot(x, y) / (one + two)
         return [
-            Disc(f"{stage}.input", 0.0, 0.0, one * grown, "input", 0.0),
-            Disc(f"{stage}.output", x, y, two * grown, "output", 0.0),
+            Circle(f"{stage}.input", 0.0, 0.0, one * grown, "input", 0.0),
+            Circle(f"{stage}.output", x, y, two * grown, "output", 0.0),
         ]
     meshes = [report.item for report in manifest.reports if report.quantity == "mesh_force"]
     return _planetary(stage, len({item.split(".")[2] for item in meshes if item.startswith(f"{stage}.")}), number)
 
 
-def _planetary(stage: str, planets: int, number: Numbers) -> list[Disc]:
+def _planetary(stage: str, planets: int, number: Numbers) -> list[Circle]:
     """Return the circles of a planetary stage; none where there are no planets."""
     if not planets:
         return []
@@ -133,8 +133,8 @@ def _planetary(stage: str, planets: int, number: Numbers) -> list[Disc]:
     size, grown = distance / (sun + planet), distance / (ring - planet)
     middle = {"ring": ring * grown, "carrier": distance, "sun": sun * size}
     return [
-        *(Disc(f"{stage}.{part}", 0.0, 0.0, radius, part, 0.0) for part, radius in middle.items()),
-        *(Disc(f"{stage}.planet.{k}", *at, planet * size, "planet", 0.0) for k, at in enumerate(places, start=1)),
+        *(Circle(f"{stage}.{part}", 0.0, 0.0, radius, part, 0.0) for part, radius in middle.items()),
+        *(Circle(f"{stage}.planet.{k}", *at, planet * size, "planet", 0.0) for k, at in enumerate(places, start=1)),
     ]
 
 

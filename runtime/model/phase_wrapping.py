@@ -25,7 +25,7 @@ LARGEST, NEAR = 10**6, 1e-14
 
 
 @dataclass(frozen=True)
-class Course:
+class ClockNumbers:
     """A clock in numbers: index of its start, advance a turn of the reference, period, its unit [cycles] or [rad]."""
 
     index: int
@@ -109,13 +109,13 @@ class Clocks:
         return np.asarray(lacking.reshape(len(different), len(meshes))[place])
 
 
-def read_courses(manifest: Manifest, p: Vector) -> list[Course]:
+def read_courses(manifest: Manifest, p: Vector) -> list[ClockNumbers]:
     """Return a model's clocks in numbers, with its parameters' values, shape (n_p,)."""
     units = dict(manifest.parameters)
     number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
     index = {name: i for i, name in enumerate(units)}
     return [
-        Course(
+        ClockNumbers(
             index[clock.start], _advance(clock, number), lcm(*(round(number[name]) for name in clock.periods)),
             TURN if units[clock.start] == "rad" else 1.0, clock.mesh,
         )

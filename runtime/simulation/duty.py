@@ -32,7 +32,7 @@ class Changes:
 
 
 @dataclass(frozen=True)
-class Part:
+class DutyPart:
     """A share of a run's time in which its speed is about the same: a state of it, and the changes of its loads."""
 
     share: float
@@ -42,7 +42,7 @@ class Part:
 
 def list_duty(
     library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None, t_end: float | None
-) -> list[Part]:
+) -> list[DutyPart]:
     """Return the parts of a run; the equilibrium alone where nothing tells how long it is.
 
     Parameters
@@ -57,7 +57,7 @@ def list_duty(
     kinds, names = library.manifest.signals, [state.name for state in library.manifest.states]
     free = names.index("reference.speed") if "reference.speed" in names else None
     if t_end is None or (kinds and not tables) or not (kinds or free is not None):
-        return [Part(1.0, at, Changes(np.zeros(0), np.zeros(0)))]
+        return [DutyPart(1.0, at, Changes(np.zeros(0), np.zeros(0)))]
     signals = Signals(kinds, tables or {})
     time, weight = _instants(signals, t_end)
     values, changes = signals.over(time), _changes(signals, time)
@@ -74,7 +74,7 @@ def list_duty(
         x = at.x.copy()
         if free is not None:
             x[free] = speed[middle]
-        parts.append(Part(float(weight[chosen].sum()), replace(at, x=x, signals=values[middle]), changes))
+        parts.append(DutyPart(float(weight[chosen].sum()), replace(at, x=x, signals=values[middle]), changes))
     return parts
 
 

@@ -10,7 +10,7 @@ from .bodies import add_body, add_coupling, add_gravity, add_member, add_pin
 from .draft import Draft, MeshPlace
 from .gearing import add_mesh
 from .loading import add_load, add_reference
-from .rayleigh import add_rayleigh
+from .rayleigh_damping import add_rayleigh
 from .rigid import find_leaders, in_plane, pin_places, rigid_pins
 
 

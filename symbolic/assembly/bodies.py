@@ -6,7 +6,7 @@ from ..gears import train
 from ..mechanics.model import BASIS, Body
 from ..schema.scene_schema import Bearing, Coupling, Member, Planetary, Rotor, TorsionalSupport
 from .draft import Draft
-from .rayleigh import rayleigh_of
+from .rayleigh_damping import rayleigh_of
 from .rigid import is_unbalanced, joined_inertia, mass_centre, seated, static_moment, turning_of
 
 

@@ -44,7 +44,7 @@ class Draft:
     """The model while it is being put together (the only mutable value of the pipeline)."""
 
     scene: Scene
-    rigid: train.Motion
+    rigid: train.RigidMotion
     statics: dict[str, float]
     bodies: list[Body] = field(default_factory=list)
     instances: list[Instance] = field(default_factory=list)

@@ -12,7 +12,7 @@ from .bodies import reduced, swinging
 from .draft import Draft, MeshPlace
 from .mesh_errors import bind_error, pin_turn
 from .mesh_losses import add_friction
-from .rayleigh import rayleigh_of
+from .rayleigh_damping import rayleigh_of
 from .stiffness import bind_stiffness
 
 

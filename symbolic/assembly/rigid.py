@@ -8,7 +8,7 @@ from ..schema.scene_schema import Member, Planetary, PositionError, Rotor, Scene
 from .draft import Draft
 
 
-def turning_of(scene: Scene, rigid: train.Motion, name: str, member: Member | Rotor) -> str:
+def turning_of(scene: Scene, rigid: train.RigidMotion, name: str, member: Member | Rotor) -> str:
     """Say how the angle of a member that turns on its own is described."""
     if train.is_fixed(member):
         return "held"
@@ -17,7 +17,7 @@ def turning_of(scene: Scene, rigid: train.Motion, name: str, member: Member | Ro
     return "reference" if rigid.mode == "torque" and rigid.member == name else "free"
 
 
-def find_leaders(scene: Scene, rigid: train.Motion) -> dict[str, str]:
+def find_leaders(scene: Scene, rigid: train.RigidMotion) -> dict[str, str]:
     """Return member -> the member whose angle it shares, for all that rigid shafts join to another."""
     if scene.effects["torsional_shafts"] == "flexible":
         return {}

@@ -16,12 +16,12 @@ from ..elements.mesh import ERROR, ERROR_RATE, GAP, ONE, TWO, Geometry, S, appro
 from ..elements.mesh_friction import sliding_speed
 from ..elements.tooth_pairs import PHASE, SHARE, Wrapped, tooth_pairs
 from ..elements.torsion import OMEGA_B, OMEGA_S
-from .folding import Step
+from .folding import NamedStep
 
 Key = tuple[str | bool, ...]
 
 
-def list_steps(key: Key, element: Element) -> list[Step]:
+def list_steps(key: Key, element: Element) -> list[NamedStep]:
     """Return the named quantities of an element type, each in its raw form, simple ones first.
 
     Parameters
@@ -33,22 +33,22 @@ def list_steps(key: Key, element: Element) -> list[Step]:
     return [] if writer is None else list(writer(key, element))
 
 
-def _named(name: str, raw: sp.Expr) -> Step:
+def _named(name: str, raw: sp.Expr) -> NamedStep:
     """Name a quantity; one that is never negative says so, so that its square's root is itself."""
     value = sp.sympify(raw)
     if value.is_nonnegative:
-        return Step(sp.Symbol(name, nonnegative=True), value)
-    return Step(real(name), value)
+        return NamedStep(sp.Symbol(name, nonnegative=True), value)
+    return NamedStep(real(name), value)
 
 
-def _length(name: str, raw: sp.Expr) -> Iterator[Step]:
+def _length(name: str, raw: sp.Expr) -> Iterator[NamedStep]:
     """Name a length and its square."""
     step = _named(name, raw)
     yield step
-    yield Step(step.symbol**2, raw**2)
+    yield NamedStep(step.symbol**2, raw**2)
 
 
-def _triangle(g: Geometry) -> Iterator[Step]:
+def _triangle(g: Geometry) -> Iterator[NamedStep]:
     """Name the sides and angles of a mesh's triangle."""
     yield _named("Delta_x", g.dx)
     yield _named("Delta_y", g.dy)
@@ -59,14 +59,14 @@ def _triangle(g: Geometry) -> Iterator[Step]:
     yield _named("Delta_gamma", g.turned)
 
 
-def _directions(pairs: tuple[tuple[str, tuple[sp.Expr, sp.Expr]], ...]) -> Iterator[Step]:
+def _directions(pairs: tuple[tuple[str, tuple[sp.Expr, sp.Expr]], ...]) -> Iterator[NamedStep]:
     """Name the components of unit vectors."""
     for name, (x, y) in pairs:
         yield _named(f"{name}_x", x)
         yield _named(f"{name}_y", y)
 
 
-def _mesh(key: Key, element: Element) -> Iterator[Step]:
+def _mesh(key: Key, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of a mesh."""
     _, kind, law, _, _, contact, error, _ = key
     plane = law in ("involute", "paper")
@@ -92,7 +92,7 @@ def _without(delta: sp.Expr, contact: str | bool, error: str | bool) -> sp.Expr:
     return delta - (GAP if contact == "gap" else 0) - (ERROR if error else 0)
 
 
-def _contact(element: Element) -> Iterator[Step]:
+def _contact(element: Element) -> Iterator[NamedStep]:
     """Name the border of contact and its sides, where an element has them."""
     found = {kind: [e for w in element.wrench for e in w.atoms(kind)] for kind in (Switch, Rest)}
     for switch in found[Switch][:1]:
@@ -102,13 +102,13 @@ def _contact(element: Element) -> Iterator[Step]:
         yield _named("chi_0", rest)
 
 
-def _friction(key: Key, element: Element) -> Iterator[Step]:
+def _friction(key: Key, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of friction at the pitch point."""
     yield from _rubbed(key, element)
     yield _named("F", element.outputs["friction"].expression)
 
 
-def _rubbed(key: Key, element: Element) -> Iterator[Step]:
+def _rubbed(key: Key, element: Element) -> Iterator[NamedStep]:
     """Name what presses and slides at a mesh with friction."""
     _, kind, law, _, contact, error = key
     g = geometry(str(kind))
@@ -120,7 +120,7 @@ def _rubbed(key: Key, element: Element) -> Iterator[Step]:
     yield _named("v_t", sliding_speed(str(kind)))
 
 
-def _sliding(key: Key, element: Element) -> Iterator[Step]:
+def _sliding(key: Key, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of sliding friction."""
     yield from _rubbed(key, element)
     yield _named("g", Wrapped(PHASE - SHARE / 2))
@@ -132,7 +132,7 @@ def _sliding(key: Key, element: Element) -> Iterator[Step]:
     yield _named("F", element.outputs["friction"].expression)
 
 
-def _pin(key: Key, element: Element) -> Iterator[Step]:
+def _pin(key: Key, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of a planet bearing, clearance included."""
     yield from _directions((("a", pin_place()), ("u", pin_deflection())))
     yield _named("Delta_x", PLANET.x - CARRIER.x)
@@ -142,7 +142,7 @@ def _pin(key: Key, element: Element) -> Iterator[Step]:
         yield from _race(Race(*pin_deflection()))
 
 
-def _rubbing_pin(key: Key, element: Element) -> Iterator[Step]:
+def _rubbing_pin(key: Key, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of a planet bearing's friction."""
     yield from _pin(key, element)
     ux, uy = pin_deflection()
@@ -151,14 +151,14 @@ def _rubbing_pin(key: Key, element: Element) -> Iterator[Step]:
     yield _named("omega_r", PLANET.omega - CARRIER.omega)
 
 
-def _race(race: Race) -> Iterator[Step]:
+def _race(race: Race) -> Iterator[NamedStep]:
     """Name the quantities of a bearing with clearance."""
     yield from _length("r_u", race.radius)
     yield _named("g_b", race.reach)
     yield _named("chi", race.touching)
 
 
-def _ground_clearance(key: Key, element: Element) -> Iterator[Step]:
+def _ground_clearance(key: Key, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of a housing bearing with clearance."""
     body = element.ports[0]
     ux, uy = body.x - X0, body.y - Y0
@@ -166,12 +166,12 @@ def _ground_clearance(key: Key, element: Element) -> Iterator[Step]:
     yield from _race(Race(ux, uy))
 
 
-def _slip(key: Key, element: Element) -> Iterator[Step]:
+def _slip(key: Key, element: Element) -> Iterator[NamedStep]:
     """Name the slip."""
     yield _named("z", (element.ports[0].omega - OMEGA_S) / OMEGA_B)
 
 
-_OF: dict[str, Callable[[Key, Element], Iterator[Step]]] = {
+_OF: dict[str, Callable[[Key, Element], Iterator[NamedStep]]] = {
     "mesh": _mesh,
     "mesh_friction": _friction,
     "mesh_sliding": _sliding,

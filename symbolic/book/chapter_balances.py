@@ -8,7 +8,7 @@ from ..mechanics.frames import FrameMotion
 from ..mechanics.model import Body, Model
 from .chapter_laws import name_places
 from .content import Chapter, Maths, Part
-from .model_equations import Assembly, assemble, list_terms
+from .model_equations import PrintedEquations, assemble, list_terms
 from .motion import Assignment, has_turning_frame
 from .notation import break_sum, fill_lines, put_signs, typeset, write_name
 
@@ -119,7 +119,7 @@ def _offset(chapter: Chapter) -> None:
 # --- written out
 
 
-def _written_out(chapter: Chapter, assembly: Assembly, model: Model) -> None:
+def _written_out(chapter: Chapter, assembly: PrintedEquations, model: Model) -> None:
     """Write a small scene as scalar equations, in the order in which they are computed."""
     chapter.head("Written out", "written-out")
     chapter.say(
@@ -136,7 +136,7 @@ def _written_out(chapter: Chapter, assembly: Assembly, model: Model) -> None:
             chapter.equate(break_sum(typeset(real(f"{axis}_dd@{body}")), rate), f"motion of {body}")
 
 
-def _needed(assembly: Assembly) -> list[Assignment]:
+def _needed(assembly: PrintedEquations) -> list[Assignment]:
     """Return the named quantities that the rates depend on."""
     wanted: set[sp.Basic] = set().union(*(rate.free_symbols for rate in assembly.rates.values()))
     kept = []

@@ -11,7 +11,7 @@ import sympy as sp
 
 
 @dataclass(frozen=True)
-class Step:
+class NamedStep:
     """A named quantity: its symbol (or an expression of earlier symbols) and what it stands for."""
 
     symbol: sp.Expr
@@ -22,11 +22,11 @@ class Step:
 class Folded:
     """Expressions with names in place of their parts, and the names that are used, in order."""
 
-    steps: tuple[Step, ...]
+    steps: tuple[NamedStep, ...]
     expressions: tuple[sp.Expr, ...]
 
 
-def fold(expressions: Sequence[sp.Expr], steps: Sequence[Step]) -> Folded:
+def fold(expressions: Sequence[sp.Expr], steps: Sequence[NamedStep]) -> Folded:
     """Put names into expressions, and earlier names into later ones.
 
     Parameters
@@ -41,13 +41,13 @@ def fold(expressions: Sequence[sp.Expr], steps: Sequence[Step]) -> Folded:
     Folded
         Names that nothing uses are left out, and so are those that are no shorter than what they name.
     """
-    names: list[Step] = []
-    folded: list[Step] = []
+    names: list[NamedStep] = []
+    folded: list[NamedStep] = []
     for step in steps:
         short = _replace(step.value, names)
         if not short.is_Symbol:
             names.append(step)
-            folded.append(Step(step.symbol, short))
+            folded.append(NamedStep(step.symbol, short))
     results = tuple(_replace(sp.sympify(expression), names) for expression in expressions)
     return Folded(_used(folded, results), results)
 
@@ -60,7 +60,7 @@ def unfold(folded: Folded) -> tuple[sp.Expr, ...]:
     return tuple(expression.xreplace(meaning) for expression in folded.expressions)
 
 
-def _used(steps: Sequence[Step], expressions: Sequence[sp.Expr]) -> tuple[Step, ...]:
+def _used(steps: Sequence[NamedStep], expressions: Sequence[sp.Expr]) -> tuple[NamedStep, ...]:
     """Return the steps that expressions, or later steps that are used, name."""
     needed: set[sp.Basic] = set().union(*(e.free_symbols for e in expressions))
     kept = []
@@ -71,7 +71,7 @@ def _used(steps: Sequence[Step], expressions: Sequence[sp.Expr]) -> tuple[Step, 
     return tuple(reversed(kept))
 
 
-def _replace(expression: sp.Expr, steps: Sequence[Step]) -> sp.Expr:
+def _replace(expression: sp.Expr, steps: Sequence[NamedStep]) -> sp.Expr:
     """Put names into an expression, the latest first."""
     memory: dict[sp.Basic, sp.Expr] = {}
 
@@ -85,7 +85,7 @@ def _replace(expression: sp.Expr, steps: Sequence[Step]) -> sp.Expr:
     return visit(expression)
 
 
-def _named(node: sp.Expr, steps: Sequence[Step], visit: object) -> sp.Expr:
+def _named(node: sp.Expr, steps: Sequence[NamedStep], visit: object) -> sp.Expr:
     """Replace a node, or the parts of it that have a name, and go on with what is left."""
     assert callable(visit)
     for step in reversed(steps):

@@ -10,7 +10,7 @@ from ..checks.check import title
 from ..elements import Element, make
 from ..mechanics.lagrange import forces
 from .abbreviations import list_steps
-from .folding import Folded, Step, fold
+from .folding import Folded, NamedStep, fold
 from .letters import ABSOLUTE, LETTERS, PECULIAR, Letter
 
 Key = tuple[str | bool, ...]
@@ -39,7 +39,7 @@ class Law:
     gradient: tuple[sp.Expr | None, ...]
 
     @property
-    def steps(self) -> tuple[Step, ...]:
+    def steps(self) -> tuple[NamedStep, ...]:
         """Return the named quantities."""
         return self.folded.steps
 
@@ -94,7 +94,7 @@ def write_law(key: Key) -> Law:
     return Law(key, title(key), element, folded, gradient)
 
 
-def _gradient(element: Element, steps: list[Step], folded: Folded) -> tuple[sp.Expr | None, ...]:
+def _gradient(element: Element, steps: list[NamedStep], folded: Folded) -> tuple[sp.Expr | None, ...]:
     """Return what the energies give, in the names of the law; None where that is too long to read."""
     raw = forces(element)
     known = {*element.arguments, *(step.symbol for step in folded.steps)}

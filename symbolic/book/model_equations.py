@@ -27,11 +27,11 @@ from ..mechanics.model import (
 )
 from . import waves
 from .laws import Law, write_law
-from .motion import Assignment, Leaf, Motion, rotate
+from .motion import Assignment, Leaf, PrintedMotion, rotate
 
 
 @dataclass(frozen=True)
-class Assembly:
+class PrintedEquations:
     """Equations of motion of a model.
 
     Attributes
@@ -61,7 +61,7 @@ def list_terms(model: Model) -> dict[str, tuple[tuple[int, int], ...]]:
     return {body: tuple(items) for body, items in found.items()}
 
 
-def assemble(model: Model) -> Assembly:
+def assemble(model: Model) -> PrintedEquations:
     """Write the equations of motion of a model.
 
     Parameters
@@ -74,10 +74,10 @@ def assemble(model: Model) -> Assembly:
         made.add_element(number, instance)
     made.sum_up()
     rates = made.write_rates()
-    return Assembly(tuple(made.assigned), rates, made.leaves, list_terms(model))
+    return PrintedEquations(tuple(made.assigned), rates, made.leaves, list_terms(model))
 
 
-class _Writing(Motion):
+class _Writing(PrintedMotion):
     """An assembly under way."""
 
     def __init__(self, model: Model) -> None:

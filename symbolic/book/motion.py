@@ -40,7 +40,7 @@ def rotate(angle: sp.Expr, x: sp.Expr, y: sp.Expr) -> tuple[sp.Expr, sp.Expr]:
     return cos * x - sin * y, sin * x + cos * y
 
 
-class Motion:
+class PrintedMotion:
     """Places, angles and rates of a model's bodies; collects the leaves, and what had to be named on the way."""
 
     def __init__(self, model: Model) -> None:

@@ -31,7 +31,7 @@ SIZE, RATE, ANGLE, TURN = 1e-4, 1e-1, 50.0, 1.0
 
 
 @dataclass(frozen=True)
-class Points:
+class ComparedPoints:
     """Where right-hand sides are compared: columns of states, levels and load signals, and parameters."""
 
     x: Array
@@ -39,7 +39,7 @@ class Points:
     p: Array
 
 
-def random_points(model: Model, equations: Equations, angle: float, size: float = 1.0) -> Points:
+def random_points(model: Model, equations: Equations, angle: float, size: float = 1.0) -> ComparedPoints:
     """Draw states with seeded random numbers.
 
     Parameters
@@ -64,7 +64,7 @@ def random_points(model: Model, equations: Equations, angle: float, size: float 
     levels = rng.uniform(0.0, 1.0, (len(equations.levels), STATES))
     signals = rng.uniform(-1.0, 1.0, (len(model.signals), STATES)) * signal_sizes(model)[:, None]
     numbers = np.repeat(np.array([list(values.values())]).T, STATES, axis=1)
-    return Points(draws, np.vstack([levels, signals]), numbers)
+    return ComparedPoints(draws, np.vstack([levels, signals]), numbers)
 
 
 def signal_sizes(model: Model) -> Array:
@@ -76,7 +76,7 @@ def signal_sizes(model: Model) -> Array:
     return np.array(sizes, dtype=np.float64)
 
 
-def evaluate(equations: Equations, expression: Any, points: Points) -> Array:  # noqa: ANN401
+def evaluate(equations: Equations, expression: Any, points: ComparedPoints) -> Array:  # noqa: ANN401
     """Evaluate an expression of some equations at all points, shape (rows, points)."""
     function = ca.Function("values", [equations.x, equations.s, equations.p], [expression])
     columns = zip(points.x.T, points.s.T, points.p.T, strict=True)

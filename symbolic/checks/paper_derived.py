@@ -205,7 +205,7 @@ def derive_friction(v: Values, b: str, balances: Mapping[str, Groups]) -> dict[s
 
 
 @dataclass(frozen=True)
-class Bench:
+class DerivedRows:
     """States of one size, and every row derived at them."""
 
     values: Values
@@ -213,11 +213,11 @@ class Bench:
 
 
 @lru_cache
-def benches(sun: int, ring: int) -> tuple[Bench, ...]:
+def benches(sun: int, ring: int) -> tuple[DerivedRows, ...]:
     """Make the test states of all sizes for given directions (see ``random_values``)."""
     made = []
     for size in SIZES:
         values = random_values(size, {"S": sun, "R": ring})
         balances = derive_balances(values)
-        made.append(Bench(values, balances | derive_laws(values, balances)))
+        made.append(DerivedRows(values, balances | derive_laws(values, balances)))
     return tuple(made)

@@ -8,7 +8,7 @@ import numpy as np
 import sympy as sp
 
 from ..wu2021 import MEANING, ROWS, Edit, Row, edits, evaluate
-from .paper_derived import SIZES, Bench, benches
+from .paper_derived import SIZES, DerivedRows, benches
 from .paper_states import KIND, STATES, Array
 
 TOLERANCE = 1e-9
@@ -20,7 +20,7 @@ BOTH_WAYS = (14, 15, 27, 28)
 # --- comparison
 
 
-def target(row: Row, group: str, bench: Bench) -> Array:
+def target(row: Row, group: str, bench: DerivedRows) -> Array:
     """Return the derived term group; rows 31 and 33 name both kinds of friction as one force."""
     groups = bench.rows[row.label]
     if group.startswith("friction"):
@@ -28,7 +28,7 @@ def target(row: Row, group: str, bench: Bench) -> Array:
     return groups.get(group, np.zeros(STATES))
 
 
-def grade(row: Row, group: str, expression: sp.Expr, where: Sequence[Bench]) -> str:
+def grade(row: Row, group: str, expression: sp.Expr, where: Sequence[DerivedRows]) -> str:
     """Compare one group: agrees, first-order or misprint."""
     errors = []
     for bench in where:
@@ -44,7 +44,7 @@ def grade(row: Row, group: str, expression: sp.Expr, where: Sequence[Bench]) -> 
     return "first-order" if shrinks and errors[0] < 1 else "misprint"
 
 
-def bench_for(row: Row) -> tuple[Bench, ...]:
+def bench_for(row: Row) -> tuple[DerivedRows, ...]:
     """Choose the states of a row: both directions at once where the row carries its own sgn()."""
     return benches(0, 0) if row.equation in BOTH_WAYS else benches(direction("S"), direction("R"))
 
@@ -64,7 +64,7 @@ def direction(b: str) -> int:
 # --- explanation
 
 
-def repair(row: Row, group: str, where: Sequence[Bench]) -> tuple[sp.Expr, tuple[Edit, ...]] | None:
+def repair(row: Row, group: str, where: Sequence[DerivedRows]) -> tuple[sp.Expr, tuple[Edit, ...]] | None:
     """Find the fewest edits that make a printed group the derived one, if there are any."""
     printed = row.terms[group]
     single = edits(printed)
@@ -80,13 +80,13 @@ def repair(row: Row, group: str, where: Sequence[Bench]) -> tuple[sp.Expr, tuple
     return None
 
 
-def ratio(row: Row, group: str, bench: Bench) -> str:
+def ratio(row: Row, group: str, bench: DerivedRows) -> str:
     """Say by what factor a group without a known repair differs."""
     factors = evaluate(row.terms[group], bench.values) / target(row, group, bench)
     return f"{group}: no simple repair; printed / derived lies between {min(factors):.3g} and {max(factors):.3g}"
 
 
-def explain(row: Row, group: str, where: Sequence[Bench]) -> tuple[sp.Expr, str]:
+def explain(row: Row, group: str, where: Sequence[DerivedRows]) -> tuple[sp.Expr, str]:
     """Return the derived form of a group that differs, and the reason in words."""
     if not np.any(target(row, group, where[0])):
         return sp.S.Zero, f"{group}: printed, but the derivation has none"
@@ -98,7 +98,7 @@ def explain(row: Row, group: str, where: Sequence[Bench]) -> tuple[sp.Expr, str]
     return expression, why + "".join(f"; {meaning}" for meaning in dict.fromkeys(meanings) if meaning)
 
 
-def left_out(row: Row, where: Sequence[Bench]) -> dict[str, sp.Expr]:
+def left_out(row: Row, where: Sequence[DerivedRows]) -> dict[str, sp.Expr]:
     """Return the derived groups that a row does not print, as a symbol where one names them."""
     named = {f"friction {b}-P" for b in KIND} & set(row.terms)
     missing = [g for g in where[0].rows[row.label] if g not in row.terms and not any(n in g for n in named)]

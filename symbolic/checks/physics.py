@@ -37,7 +37,7 @@ def _turned(x: Array, y: Array) -> tuple[Array, Array]:
     return cos * x - sin * y, sin * x + cos * y
 
 
-class Bench:
+class ElementBench:
     """One element type with random states near its place in the model.
 
     Parameters
@@ -132,7 +132,7 @@ def relative(difference: Array, *parts: Array) -> float:
     return float(np.max(np.divide(largest, size, out=np.where(largest > 0, np.inf, 0.0), where=size > 0), initial=0.0))
 
 
-def conservative_force(bench: Bench) -> Check:
+def conservative_force(bench: ElementBench) -> Check:
     """Check that the force at rest is minus the gradient of the potential energy (by CasADi)."""
     at_rest = bench.values(bench.resting)
     value = relative(at_rest["wrench"] + at_rest["gradient"], at_rest["wrench"], at_rest["gradient"])
@@ -140,7 +140,7 @@ def conservative_force(bench: Bench) -> Check:
     return judged(f"{bench.label}: force is the slope of the energy", value, TOLERANCE, note)
 
 
-def action_and_reaction(bench: Bench) -> list[Check]:
+def action_and_reaction(bench: ElementBench) -> list[Check]:
     """Check that the bodies of an element push each other equally, and about the same line."""
     wrench, count = bench.values()["wrench"], len(bench.element.ports)
     fx, fy, torque = wrench[0::3], wrench[1::3], wrench[2::3]
@@ -162,7 +162,7 @@ def action_and_reaction(bench: Bench) -> list[Check]:
     ]  # fmt: skip
 
 
-def dissipated_power(bench: Bench) -> list[Check]:
+def dissipated_power(bench: ElementBench) -> list[Check]:
     """Check that the part of the wrench that comes with motion takes power, and what is booked as loss."""
     moving, at_rest = bench.values(), bench.values(bench.resting)
     power = np.sum((moving["wrench"] - at_rest["wrench"]) * bench.velocities, axis=0, keepdims=True)
@@ -191,7 +191,7 @@ def result_units(element: Element) -> dict[str, Sequence[str]]:
     }
 
 
-def homogeneous(bench: Bench) -> Check:
+def homogeneous(bench: ElementBench) -> Check:
     """Check that every formula keeps its units."""
     element, ports = bench.element, len(bench.element.ports)
     units = [*COORDINATE_UNITS * ports, *RATE_UNITS * ports, *element.parameters.values()]
@@ -216,7 +216,7 @@ def _sizes(expected: Array, units: Sequence[str]) -> tuple[Array]:
     return (np.array([[largest[unit]] for unit in units]),)
 
 
-def element_physics(bench: Bench) -> list[Check]:
+def element_physics(bench: ElementBench) -> list[Check]:
     """Run the checks that apply to one element type."""
     element = bench.element
     checks = []
@@ -234,5 +234,5 @@ def physics(model: Model, write: Writer = make) -> list[Check]:
     return [
         check
         for key, instance in element_types(model).items()
-        for check in element_physics(Bench(title(key), write(key), instance, model))
+        for check in element_physics(ElementBench(title(key), write(key), instance, model))
     ]

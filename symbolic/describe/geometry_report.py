@@ -136,7 +136,7 @@ def _members(scene: Scene, speeds: dict[str, float]) -> dict[str, Entry]:
     return listed
 
 
-def _loads(scene: Scene, rigid: train.Motion, speeds: dict[str, float]) -> dict[str, Entry]:
+def _loads(scene: Scene, rigid: train.RigidMotion, speeds: dict[str, float]) -> dict[str, Entry]:
     """Describe all loads; power is torque times speed, and what drives gives power to the train.
 
     What varies is told by its largest torque and by ``over_time``.
@@ -170,7 +170,7 @@ def _law(load: Load) -> str:
     return ""
 
 
-def _torques(scene: Scene, rigid: train.Motion) -> dict[str, float]:
+def _torques(scene: Scene, rigid: train.RigidMotion) -> dict[str, float]:
     """Return load -> torque [N m] as in statics."""
     return {
         name: train.load_torque(load, rigid.ratios[load.member] * rigid.speed) for name, load in scene.loads.items()
@@ -178,7 +178,7 @@ def _torques(scene: Scene, rigid: train.Motion) -> dict[str, float]:
 
 
 def _powers(
-    scene: Scene, rigid: train.Motion, speeds: dict[str, float]
+    scene: Scene, rigid: train.RigidMotion, speeds: dict[str, float]
 ) -> Iterator[tuple[str, float | None, float | None]]:
     """Yield load, torque [N m] and power [W]; one held speed that turns supplies, without losses, what is missing."""
     held = [name for name, load in scene.loads.items() if load.speed or load.speed_over_time]

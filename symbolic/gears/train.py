@@ -18,7 +18,7 @@ Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Motion:
+class RigidMotion:
     """The rigid motion: which load sets the reference speed, and every member's speed over it.
 
     ``mode`` is ``rest``, ``speed`` (the reference is held) or ``torque`` (it is a member's own motion). Where it
@@ -90,7 +90,7 @@ def _rolling_rows(scene: Scene, column: dict[str, int]) -> list[tuple[str, Vecto
     return rows
 
 
-def motion(scene: Scene) -> tuple[Motion, list[str]]:
+def motion(scene: Scene) -> tuple[RigidMotion, list[str]]:
     """Solve the rigid motion; the second value lists what makes it impossible or ambiguous."""
     everyone = members(scene)
     column = {name: i for i, name in enumerate(everyone)}
@@ -100,7 +100,7 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     begun = {load.member: load.initial_speed for load in scene.loads.values() if load.initial_speed is not None}
     given = begun | held
     if not given:
-        return Motion("rest", "", 0.0, dict.fromkeys(everyone, 0.0)), _driven_from_rest(scene, column)
+        return RigidMotion("rest", "", 0.0, dict.fromkeys(everyone, 0.0)), _driven_from_rest(scene, column)
     # A member that is braked to zero cannot be the reference of those that turn.
     lead = next((name for name in (*held, *begun) if given[name]), next(iter(held or begun)))
     lead = next(iter(tables), lead)
@@ -112,7 +112,7 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
         name: value / speed if speed else float(name == lead) for name, value in given.items()
     }
     if tables and (apart := _apart(scene, tables, lead)):
-        return Motion("speed", lead, speed, dict.fromkeys(everyone, 0.0)), apart
+        return RigidMotion("speed", lead, speed, dict.fromkeys(everyone, 0.0)), apart
     for name, value in fixed_speeds.items():
         row = np.zeros(len(column))
         row[column[name]] = 1.0
@@ -126,7 +126,7 @@ def motion(scene: Scene) -> tuple[Motion, list[str]]:
     faults = _blocking(matrix, vector, solution, supports, list(everyone))
     faults = faults or _motion_faults(matrix, vector, solution, int(rank), list(everyone))
     ratios = {name: float(solution[i]) + 0.0 for name, i in column.items()}
-    return Motion("speed" if lead in held else "torque", lead, speed, ratios), faults
+    return RigidMotion("speed" if lead in held else "torque", lead, speed, ratios), faults
 
 
 def _driven_from_rest(scene: Scene, column: dict[str, int]) -> list[str]:
@@ -239,7 +239,7 @@ def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, 
     return []
 
 
-def static_forces(scene: Scene, rigid: Motion) -> dict[str, float]:
+def static_forces(scene: Scene, rigid: RigidMotion) -> dict[str, float]:
     """Return the signed normal force [N] in one mesh of each kind, on the printed flank, without friction.
 
     Unknowns are the mesh forces, the coupling torques, the reactions of held members and, where nothing

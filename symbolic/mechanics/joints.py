@@ -13,7 +13,7 @@ def rotate(angle: Any, x: Any, y: Any) -> list[Any]:  # noqa: ANN401
     return [cos * x - sin * y, sin * x + cos * y]
 
 
-class Assembly(Protocol):
+class Derivation(Protocol):
     """What the joints must know of a derivation."""
 
     bodies: dict[str, Body]
@@ -42,7 +42,7 @@ class Joints:
     give :math:`(I - S^2/m)\,\Omega' = T - \mathbf S\times\mathbf F/m`.
     """
 
-    def __init__(self, assembly: Assembly) -> None:
+    def __init__(self, assembly: Derivation) -> None:
         self.of = assembly
 
     def _seats(self, body: Body) -> int:

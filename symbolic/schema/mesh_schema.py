@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from .quantities import Angle, Bore, Damping, Length, Ratio, Stiffness, Table, TorsionalStiffness, Velocity
+from .quantities import Angle, Bore, Damping, Length, Ratio, SceneTable, Stiffness, TorsionalStiffness, Velocity
 from .series import Pairs, Series
 
 MOST_HARMONICS = 200
@@ -13,7 +13,7 @@ TRANSITION = 0.1  # [pitches]
 SHORTEST = 1e-6  # [pitches] that single or double contact lasts, where there is any
 
 
-class Friction(Table):
+class Friction(SceneTable):
     """Friction of a mesh; acts when ``mesh_friction`` is on, ``damping`` at the pitch point only."""
 
     coefficient: Annotated[float, Field(ge=0, lt=1)]
@@ -34,7 +34,7 @@ def _periodic(key: str, table: Pairs | None) -> Iterator[str]:
         yield f"{key}: covers {last - first:.3g} of a pitch only; give it over the whole pitch"
 
 
-class TransmissionError(Table):
+class GivenTransmissionError(SceneTable):
     """Static transmission error along the line of action over the mesh phase; acts with ``transmission_error``.
 
     Given by harmonics, e = sum of amplitude cos(2 pi n tau + phase) over n = 1, 2, ... (phases left out are
@@ -54,7 +54,7 @@ class TransmissionError(Table):
             yield f".phases: {len(self.phases)} phases for {len(self.amplitudes)} amplitudes; give one each, or none"
 
 
-class ToothError(Table):
+class ToothError(SceneTable):
     """Spacing error of one tooth [m], positive where it lies back from its place; acts with ``tooth_errors``.
 
     Tooth 0 of a gear is the one whose single contact begins at mesh phase 0.
@@ -66,7 +66,7 @@ class ToothError(Table):
     planet: Annotated[int, Field(ge=1)] | None = None
 
 
-class Mesh(Table):
+class Mesh(SceneTable):
     """A gear mesh.
 
     ``stiffness`` is that of single contact (or the constant one); alternatively
@@ -93,7 +93,7 @@ class Mesh(Table):
     friction: Friction | None = None
     transition: Annotated[float, Field(ge=0.001, lt=1)] | None = None
     harmonics: Annotated[int, Field(ge=1, le=MOST_HARMONICS)] = 5
-    transmission_error: TransmissionError | None = None
+    transmission_error: GivenTransmissionError | None = None
     tooth_errors: Annotated[list[ToothError], Field(max_length=200)] = []
 
     def faults(self) -> Iterator[str]:

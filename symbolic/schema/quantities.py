@@ -82,7 +82,7 @@ Title = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(check
 Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
 
 
-class Table(BaseModel):
+class SceneTable(BaseModel):
     """A table of the scene file; unknown keys are refused, values do not change."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)

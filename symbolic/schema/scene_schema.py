@@ -28,11 +28,11 @@ from .quantities import (
     Name,
     Rate,
     Ratio,
+    SceneTable,
     SmallSpeed,
     Speed,
     SpeedOverTime,
     Stiffness,
-    Table,
     Title,
     Torque,
     TorqueOverTime,
@@ -45,7 +45,7 @@ MOST_MEMBERS = 300  # planets included
 PARTS = {"planetary": ("ring", "sun", "carrier"), "pair": ("input", "output")}
 
 
-class Disc(Table):
+class Disc(SceneTable):
     """Solid or hollow disc from which mass and inertia are computed (default: steel)."""
 
     outer_diameter: Length
@@ -59,7 +59,7 @@ class Disc(Table):
             yield ".inner_diameter: must lie between zero and outer_diameter"
 
 
-class Bearing(Table):
+class Bearing(SceneTable):
     """Isotropic radial spring-damper; a damping ratio refers to the member's own mass.
 
     The radial ``clearance`` acts when ``bearing_clearance`` is on.
@@ -93,7 +93,7 @@ class PinBearing(Bearing):
             yield ".diameter: is missing; the torque of friction acts on it"
 
 
-class TorsionalSupport(Table):
+class TorsionalSupport(SceneTable):
     """Torsional spring-damper to the housing; a damping ratio refers to the member's own inertia."""
 
     stiffness: TorsionalStiffness
@@ -101,7 +101,7 @@ class TorsionalSupport(Table):
     damping_ratio: Ratio | None = None
 
 
-class Member(Table):
+class Member(SceneTable):
     """A body that turns; mass and inertia are given, or computed from a disc."""
 
     support: Literal["fixed", "rigid", "bearing", "floating"] = "floating"
@@ -127,7 +127,7 @@ class Member(Table):
             yield f'{" and ".join(missing)} {verb} missing for support = "{self.support}"; give it or a disc'
 
 
-class Eccentricity(Table):
+class Eccentricity(SceneTable):
     """How far the centre of a gear's teeth lies from its axis, and where at angle zero; acts with ``eccentricity``."""
 
     radius: Bore
@@ -148,7 +148,7 @@ class Gear(Member):
     eccentricity: Eccentricity | None = None
 
 
-class Stage(Table):
+class Stage(SceneTable):
     """What planetary stages and parallel pairs share: the tooth system."""
 
     module: Module | None = None
@@ -158,7 +158,7 @@ class Stage(Table):
     line_of_centres: Angle = 0.0
 
 
-class PositionError(Table):
+class PositionError(SceneTable):
     """How far a planet's pin lies from its place: outwards, and counter-clockwise along the pin circle.
 
     It acts when ``planet_position_error`` is on.
@@ -215,7 +215,7 @@ class Pair(Stage):
     mesh: Mesh
 
 
-class Rotor(Table):
+class Rotor(SceneTable):
     """An inertia that only turns: motor, shaft, generator."""
 
     inertia: Inertia | None = None
@@ -229,7 +229,7 @@ class Rotor(Table):
             yield "give either inertia or a disc"
 
 
-class Coupling(Table):
+class Coupling(SceneTable):
     """A torsional spring-damper between two members; a damping ratio refers to their reduced inertia."""
 
     between: Annotated[list[str], Field(min_length=2, max_length=2)]
@@ -238,7 +238,7 @@ class Coupling(Table):
     damping_ratio: Ratio | None = None
 
 
-class Slip(Table):
+class Slip(SceneTable):
     """Slip law of an asynchronous machine: above its synchronous speed it brakes, below it drives."""
 
     synchronous_speed: Speed
@@ -251,7 +251,7 @@ class Slip(Table):
             yield ".synchronous_speed: must not be zero, slip refers to it"
 
 
-class Load(Table):
+class Load(SceneTable):
     """What acts on a member: a speed that is held, or a torque (with the speed at the start).
 
     Over time both are linear between the rows of their table and constant beyond its ends.
@@ -284,7 +284,7 @@ class Load(Table):
             yield '.speed_over_time: is zero throughout; write speed = "0 rpm"'
 
 
-class Rayleigh(Table):
+class Rayleigh(SceneTable):
     """Factors of Rayleigh damping, C = mass M + stiffness K; acts when ``damping`` is ``rayleigh``."""
 
     mass: DecayRate = 0.0
@@ -299,7 +299,7 @@ class Rayleigh(Table):
             yield "damps nothing; give mass or stiffness, or both"
 
 
-class Simulation(Table):
+class Simulation(SceneTable):
     """Defaults of ``ltcgear simulate`` for this scene."""
 
     t_end: Duration = 0.5
@@ -335,7 +335,7 @@ def suggest(name: object, known: Sequence[str], what: str) -> str:
     return f'did you mean "{near[0]}"?' if near else f"{what}: {', '.join(known)}"
 
 
-class Scene(Table):
+class Scene(SceneTable):
     """A gearbox, its loads and the effects it calls for; immutable and in SI units."""
 
     title: Title

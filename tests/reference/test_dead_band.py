@@ -52,7 +52,7 @@ def test_the_hard_case_keeps_the_jumps_of_the_reference():
     times, frequencies, end = case.SHORT_SWEEP
     sweep = Sweep(times, frequencies)
     tau, y = DeadBand().run(sweep, end, 2 * np.pi / case.SAMPLES, START)
-    found = case.Cycles(*amplitudes(tau, y, sweep)).jumps((times[1] + times[2]) / 2)
+    found = case.MeshCycles(*amplitudes(tau, y, sweep)).jumps((times[1] + times[2]) / 2)
     assert found == pytest.approx(case.JUMPS, abs=1e-4)
 
 
@@ -60,6 +60,6 @@ def test_the_hard_case_keeps_the_amplitudes_of_the_reference():
     times, frequencies = case.staircase(case.STEPS)
     sweep = Sweep(times, frequencies)
     tau, y = DeadBand().run(sweep, times[-1], 2 * np.pi / case.FINE, START)
-    cycles = case.Cycles(*amplitudes(tau, y, sweep))
+    cycles = case.MeshCycles(*amplitudes(tau, y, sweep))
     found = [cycles.before(times[2 * i + 1]) for i in range(len(case.STEPS))]
     assert found == pytest.approx(case.AMPLITUDES, abs=1e-5)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from ltcgear.generated import folders, store
-from ltcgear.runtime.export.plain_c.data import Run, write_data
+from ltcgear.runtime.export.plain_c.data import PlainRun, write_data
 from ltcgear.runtime.export.plain_c.kit import write_kit
 
 from .models import Case
@@ -25,7 +25,7 @@ def write(found: Case, folder: Path) -> Path:
     """Write all that plain C needs."""
     simulation = found.scene.simulation if found.scene else None
     t_end, rate = (simulation.t_end, simulation.rate) if simulation else (0.01, 8192.0)
-    data = write_data(found.library, found.model.name, Run(found.model.values(), found.model.tables, t_end, rate))
+    data = write_data(found.library, found.model.name, PlainRun(found.model.values(), found.model.tables, t_end, rate))
     folders.write_folder(folder, write_kit() | {"data.c": data, "model.c": found.library.artifact.c})
     return folder
 

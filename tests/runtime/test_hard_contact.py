@@ -10,7 +10,7 @@ from ltcgear.runtime.model.library import build
 from ltcgear.runtime.studies.selftest import contact_cases, dead_band, friction_cases, pair
 from ltcgear.runtime.studies.selftest.case import Bench
 from ltcgear.runtime.studies.selftest.impact import Impact
-from ltcgear.runtime.studies.selftest.pair import Pair
+from ltcgear.runtime.studies.selftest.pair import TorsionalPair
 from ltcgear.runtime.studies.selftest.planets import RubbingPlanets
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -18,7 +18,7 @@ from ltcgear.symbolic.scene.load import load_scene
 from scipy.integrate import solve_ivp
 
 CASES = {case.name: case for case in (*contact_cases.CASES, *friction_cases.CASES)}
-PAIR = Pair(0.8, 2e8, 0.07, 100.0, 0.0)
+PAIR = TorsionalPair(0.8, 2e8, 0.07, 100.0, 0.0)
 
 
 @cache
@@ -103,7 +103,7 @@ def test_bounces_are_those_of_a_one_sided_spring():
 
 
 def test_an_impact_is_that_of_a_damper_that_never_pulls():
-    damped = Pair(0.8, 2e8, 0.07, 100.0, 2e3)
+    damped = TorsionalPair(0.8, 2e8, 0.07, 100.0, 2e3)
     impact = Impact(damped, 10 * damped.static * damped.omega)
     end = 2 * impact.end
     times = np.linspace(0, end, 300)

@@ -12,7 +12,7 @@ from ltcgear.runtime.studies.accuracy import reference as references
 from ltcgear.runtime.studies.accuracy.patience import OutOfTimeError, Patience
 from ltcgear.runtime.studies.accuracy.presets import PRESETS, choose_time, mesh_rates
 from ltcgear.runtime.studies.accuracy.reference import MARGIN, Reference, find_reference, judge
-from ltcgear.runtime.studies.accuracy.run_errors import KINDS, Samples, find_errors, take_samples, value_of
+from ltcgear.runtime.studies.accuracy.run_errors import KINDS, ComparedSamples, find_errors, take_samples, value_of
 from ltcgear.runtime.studies.accuracy.study import Wanted, run_study
 from ltcgear.runtime.studies.accuracy.sweep import ROUNDS, Point, Sweep, choose_timed
 from ltcgear.runtime.studies.selftest.case import Bench
@@ -33,7 +33,7 @@ def samples(one=0.0, two=0.0, bearing=0.0, twist=0.0, state=0.0, dead=0.0):
     """Two planets' mesh forces of 100 and 80 N with swings of 10 and 8, a bearing, a member; and what is added."""
     forces = {SUNS[0]: 100 + 10 * SWING + one, SUNS[1]: 80 + 8 * SWING + two}
     bearings = {"b": (30 + 5 * SWING) + 1j * (40 + 5 * OTHER) + bearing, "c": 1e-9 * OTHER + dead}
-    return Samples(
+    return ComparedSamples(
         np.zeros((len(TIME), 1)), {"x": SWING + state, "y": SWING},
         {"mesh_force": forces, "bearing_force": bearings, "transmission_error": {"m": 1e-3 * (2 + SWING) + twist}},
         dict.fromkeys(SUNS, PHASE),

@@ -13,7 +13,7 @@ from ltcgear.symbolic.book.chapter_elements import _grouped, write_elements, wri
 from ltcgear.symbolic.book.chapter_laws import write_laws
 from ltcgear.symbolic.book.chapter_motion import write_motion
 from ltcgear.symbolic.book.content import Chapter, Grid
-from ltcgear.symbolic.book.folding import Step, fold, unfold
+from ltcgear.symbolic.book.folding import NamedStep, fold, unfold
 from ltcgear.symbolic.book.laws import write_law
 from ltcgear.symbolic.book.letters import LETTERS
 from ltcgear.symbolic.book.model_equations import assemble, list_terms
@@ -169,10 +169,10 @@ def test_no_two_symbols_of_a_scene_written_out_look_alike(name):
 
 def test_folding_keeps_what_it_does_not_know():
     a, b, c, d = sp.symbols("a b c d", positive=True)
-    folded = fold([(a + b) * c, -a - b + c, sp.sin(a * b * c)], [Step(d, a + b)])
+    folded = fold([(a + b) * c, -a - b + c, sp.sin(a * b * c)], [NamedStep(d, a + b)])
     assert folded.expressions == (c * d, c - d, sp.sin(a * b * c))
     assert unfold(folded) == ((a + b) * c, c - a - b, sp.sin(a * b * c))
-    assert fold([a], [Step(d, a + b)]).steps == ()
+    assert fold([a], [NamedStep(d, a + b)]).steps == ()
 
 
 @pytest.mark.parametrize(("kind", "count"), [("smooth", 4), ("series", 7), ("arcs", 7), ("tooth", 4), ("constant", 1)])

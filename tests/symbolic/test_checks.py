@@ -71,8 +71,8 @@ def instance_of(key: Key) -> tuple[Instance, Model]:
     raise AssertionError(key)
 
 
-def bench_of(key: Key, element: Element | None = None) -> physics.Bench:
-    return physics.Bench("test", make(key) if element is None else element, *instance_of(key))
+def bench_of(key: Key, element: Element | None = None) -> physics.ElementBench:
+    return physics.ElementBench("test", make(key) if element is None else element, *instance_of(key))
 
 
 def parameter(element: Element, name: str) -> sp.Symbol:

@@ -14,7 +14,7 @@ from ltcgear.generated.writing import check_output, written_whole
 from ...model.library import Library
 from ...model.load_tables import Pairs
 from ...simulation.method_limits import MOST_STEPS, REACH, fastest_motion
-from ..plain_c.data import Run
+from ..plain_c.data import PlainRun
 from .binary import compile_fmu, platform_of, require_compiler
 from .description import Head, describe, describe_build
 from .names import identify
@@ -81,7 +81,7 @@ def write_fmu(
     require_compiler()
     known = dict(tables or {})
     _check_tables(library, known, inputs)
-    run = Run(values, known, t_end, rate)
+    run = PlainRun(values, known, t_end, rate)
     interface = Interface(library, run, inputs, exchange)
     if not exchange:
         _check_effort(library, interface, t_end)
@@ -97,7 +97,7 @@ def write_fmu(
 
 
 def _write_files(
-    library: Library, run: Run, interface: Interface, head: Head, system: str
+    library: Library, run: PlainRun, interface: Interface, head: Head, system: str
 ) -> tuple[str, dict[str, bytes]]:
     """Return the token, which follows from all texts, and path -> content of what is in the archive."""
     sources = write_sources(library, head.name, run, interface)

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from ...model.library import Library
-from ..plain_c.data import Run, write_data
+from ..plain_c.data import PlainRun, write_data
 from ..plain_c.kit import write_kit
 from .variables import Interface
 
@@ -16,7 +16,7 @@ HEAD = """/* The variables of an FMU, see fmu.h. */
 """
 
 
-def write_sources(library: Library, name: str, run: Run, interface: Interface) -> dict[str, str]:
+def write_sources(library: Library, name: str, run: PlainRun, interface: Interface) -> dict[str, str]:
     """Return file name -> text of all C but ``variables.c``, which has the token."""
     kit = write_kit()
     return {

@@ -14,7 +14,7 @@ from ...model.parameter_bounds import ANY, bounds_of
 from ...model.quantity_names import LONG_NAMES
 from ...model.vibration_scale import vibration_scale
 from ...results.dataset import speed_ratio
-from ..plain_c.data import Run, fixed_parameters
+from ..plain_c.data import PlainRun, fixed_parameters
 from .names import structure
 
 KINDS = ("time", "state", "rate", "parameter", "output", "angle", "count", "statistic", "indicator", "input")
@@ -89,7 +89,7 @@ class Interface:
         If two variables had the same name.
     """
 
-    def __init__(self, library: Library, run: Run, inputs: Sequence[str], exchange: bool) -> None:
+    def __init__(self, library: Library, run: PlainRun, inputs: Sequence[str], exchange: bool) -> None:
         self.manifest, self.exchange = library.manifest, exchange
         self.p = library.parameters(run.values)
         self.at = find_equilibrium(library, self.p, tables=run.tables)
@@ -207,7 +207,7 @@ class Interface:
             )  # fmt: skip
 
 
-def _inputs(manifest: Manifest, run: Run, wanted: Sequence[str], exchange: bool) -> Iterator[Input]:
+def _inputs(manifest: Manifest, run: PlainRun, wanted: Sequence[str], exchange: bool) -> Iterator[Input]:
     """Yield the inputs that stand for some tables; where the slope of one counts, that follows it."""
     tables = list(dict.fromkeys(signal.table for signal in manifest.signals))
     for table in wanted:

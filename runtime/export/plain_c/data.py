@@ -14,7 +14,7 @@ from ...model.equilibrium import CLOSING, PULL, VARYING, Vector, find_equilibriu
 from ...model.library import Library
 from ...model.load_tables import Pairs, insert_zeros
 from ...model.parameter_bounds import bounds_of, is_continuous
-from ...model.phase_wrapping import Course, read_courses
+from ...model.phase_wrapping import ClockNumbers, read_courses
 from ...model.quantity_names import PHASES
 
 HEAD = """/* The scene {name}: names, numbers, loaded equilibrium; written by `ltcgear generate`, see ltcgear.h. */
@@ -37,7 +37,7 @@ LARGEST = 2**62
 
 
 @dataclass(frozen=True)
-class Run:
+class PlainRun:
     """What is simulated: parameters in SI, tables over time, time [s], samples a second [Hz]."""
 
     values: Mapping[str, float]
@@ -46,7 +46,7 @@ class Run:
     rate: float
 
 
-def write_data(library: Library, name: str, run: Run) -> str:
+def write_data(library: Library, name: str, run: PlainRun) -> str:
     """Return ``data.c``.
 
     Parameters
@@ -142,7 +142,7 @@ def _clocks(manifest: Manifest, p: Vector) -> Iterable[str]:
         yield _clock(course, [_place(manifest.levels, mesh), *phases])
 
 
-def _clock(course: Course, counted: Sequence[int]) -> str:
+def _clock(course: ClockNumbers, counted: Sequence[int]) -> str:
     """Write one clock, see ``ltcgear_clock``."""
     # Whole numbers that C can count with; nothing is lost, unless a ratio is none of tooth numbers.
     advance = course.advance.limit_denominator(max(LARGEST // course.period, 1))
@@ -154,7 +154,7 @@ def _clock(course: Course, counted: Sequence[int]) -> str:
     return f"{{{', '.join(map(str, wholes))}, {_real(course.unit)}}}"
 
 
-def _tables(manifest: Manifest, run: Run) -> list[str]:
+def _tables(manifest: Manifest, run: PlainRun) -> list[str]:
     """Write the loads over time."""
     used = list(dict.fromkeys(signal.table for signal in manifest.signals))
     lines, tables = [], []
@@ -170,7 +170,7 @@ def _tables(manifest: Manifest, run: Run) -> list[str]:
     ]
 
 
-def _model(library: Library, name: str, key: str, run: Run) -> str:
+def _model(library: Library, name: str, key: str, run: PlainRun) -> str:
     """Write the structure that holds all of it."""
     manifest = library.manifest
     parameters, states = [name for name, _ in manifest.parameters], [state.name for state in manifest.states]

@@ -23,7 +23,7 @@ FIELDS = (
 KINDS = {name: kind for kind, names in FIELDS for name in names.split()}
 
 
-class State(ctypes.Structure):
+class DynamicsStruct(ctypes.Structure):
     """The structure ``dynamics`` of the C."""
 
     _fields_ = [(name, cstruct.KINDS[kind][0]) for name, kind in KINDS.items()]
@@ -41,7 +41,7 @@ class Callee(cstruct.Shared):
     """
 
     def __init__(self) -> None:
-        super().__init__(State(), KINDS)
+        super().__init__(DynamicsStruct(), KINDS)
         self.engine, self.address = engine(), ctypes.addressof(self.state)
 
 

@@ -15,7 +15,7 @@ from ...simulation.methods.segment_methods import MULTISTEP
 from ...simulation.verify import tell_parting
 from ..selftest.case import Bench
 from .patience import Patience
-from .run_errors import MEASURES, Errors, Samples, find_errors, take_samples, value_of
+from .run_errors import MEASURES, ComparedSamples, Errors, find_errors, take_samples, value_of
 
 METHODS = ("erk", "rosenbrock", "cvodes", "idas", "adams")
 """Methods that may give a reference, the most accurate first."""
@@ -57,7 +57,7 @@ class Reference:
         What both runs may have in common, since they read samples between the same nodes: ``READING`` where they do.
     """
 
-    samples: Samples | None
+    samples: ComparedSamples | None
     runs: list[dict[str, Any]]
     uncertainty: Errors
     measure: str | None
@@ -134,7 +134,7 @@ def _tightest(
     return []
 
 
-def judge(samples: list[Samples], found: Reference, t_end: float) -> Reference:
+def judge(samples: list[ComparedSamples], found: Reference, t_end: float) -> Reference:
     """Return a reference with the measure that it serves, or with the reason why it cannot be used."""
     kinds = (kind for kind in MEASURES if value_of(found.uncertainty, kind) is not None)
     found = replace(found, measure=next(kinds, None) if samples[0].moves(MOVING) else None)
@@ -155,7 +155,7 @@ def _reading(bench: Bench, methods: list[str]) -> float:
     return READING if between and len({method in MULTISTEP for method in methods}) == 1 else 0.0
 
 
-def _exact(bench: Bench, path: Trajectory, samples: Samples) -> Errors | None:
+def _exact(bench: Bench, path: Trajectory, samples: ComparedSamples) -> Errors | None:
     """Return the errors of a run against the exact motion; None where there is no such motion."""
     try:
         exact = Exact(bench.library, bench.p, bench.at)
@@ -165,7 +165,7 @@ def _exact(bench: Bench, path: Trajectory, samples: Samples) -> Errors | None:
     return find_errors(take_samples(bench, replace(path, x=x, levels=levels)), samples)
 
 
-def _parting(samples: list[Samples], t_end: float) -> str | None:
+def _parting(samples: list[ComparedSamples], t_end: float) -> str | None:
     """Say that the two runs part from each other; None if they do not."""
     forces = [run.signals["mesh_force"] for run in samples]
     if not forces[0]:

@@ -33,7 +33,7 @@ LINES = 1e-2
 
 
 @dataclass(frozen=True)
-class Samples:
+class ComparedSamples:
     """What is compared of a run: levels, states less their start over their scale, signals by kind and item.
 
     A force in a plane is x + iy. ``phases`` are those of the meshes [cycles].
@@ -49,7 +49,7 @@ class Samples:
         return any(np.abs(x).max() > size for name, x in self.states.items() if not name.startswith("reference."))
 
 
-def take_samples(bench: Bench, path: Trajectory) -> Samples:
+def take_samples(bench: Bench, path: Trajectory) -> ComparedSamples:
     """Read what is compared from a trajectory."""
     library = bench.library
     values = outputs_of(library, Clocks(library.manifest, bench.p), path)
@@ -64,7 +64,7 @@ def take_samples(bench: Bench, path: Trajectory) -> Samples:
         "bearing_force": _planar(read, "pin_force") | _planar(read, "bearing_force"),
         "transmission_error": dict(turning),  # angle of a member that is no planet against the rigid motion [rad]
     }
-    return Samples(path.levels, states, signals, read.get("mesh_phase", {}))
+    return ComparedSamples(path.levels, states, signals, read.get("mesh_phase", {}))
 
 
 def _planar(read: Mapping[str, Mapping[str, Vector]], quantity: str) -> dict[str, Signal]:
@@ -73,7 +73,7 @@ def _planar(read: Mapping[str, Mapping[str, Vector]], quantity: str) -> dict[str
     return {name: x[name] + 1j * y[name] for name in x}
 
 
-def find_errors(reference: Samples, run: Samples) -> Errors:
+def find_errors(reference: ComparedSamples, run: ComparedSamples) -> Errors:
     """Compare a run with the reference, sample by sample where the levels of both agree.
 
     Returns
@@ -101,7 +101,7 @@ def value_of(errors: Errors, kind: str) -> float | None:
     return None if entry is None else float(entry["value"])
 
 
-def _floors(reference: Samples) -> dict[str, float]:
+def _floors(reference: ComparedSamples) -> dict[str, float]:
     """Return by kind the vibration below which a signal stands still: forces that cancel leave rounding only."""
     sizes = {
         kind: max((float(np.abs(signal).max()) for signal in signals.values()), default=0.0)

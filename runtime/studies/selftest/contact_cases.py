@@ -10,7 +10,7 @@ from ...simulation.integration import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .dead_band import CASES as SWEPT
 from .impact import Impact
-from .pair import Pair, read, started
+from .pair import TorsionalPair, read, started
 
 Vector = NDArray[np.float64]
 RTOL = 1e-9
@@ -32,7 +32,7 @@ def allowed(method: str, limit: float) -> float:
 # --- undamped bounces
 
 
-def bounce(pair: Pair, size: float, time: Vector) -> Vector:
+def bounce(pair: TorsionalPair, size: float, time: Vector) -> Vector:
     """Return the deflection [m] of an undamped pair that starts at its static deflection.
 
     In contact it swings about the static deflection d, d + A sin w t, and in flight it falls, F / m being its
@@ -49,13 +49,13 @@ def bounce(pair: Pair, size: float, time: Vector) -> Vector:
     return np.where(flown < 0, d + size * np.sin(w * (since - early)), flown * (fall * flown / 2 - speed))
 
 
-def bounce_period(pair: Pair, size: float) -> float:
+def bounce_period(pair: TorsionalPair, size: float) -> float:
     """Return the time from landing to landing [s]."""
     w, d = pair.omega, pair.static
     return (pi + 2 * asin(d / size) + 2 * sqrt(size**2 - d**2) / d) / w
 
 
-def landings(pair: Pair, time: Vector, depth: Vector, speed: Vector) -> Vector:
+def landings(pair: TorsionalPair, time: Vector, depth: Vector, speed: Vector) -> Vector:
     """Return when the gear lands, from each last sample in flight, since flight is a parabola."""
     last = np.flatnonzero((depth[:-1] <= 0) & (depth[1:] > 0))
     v, fall = speed[last], pair.static * pair.omega**2
@@ -64,13 +64,13 @@ def landings(pair: Pair, time: Vector, depth: Vector, speed: Vector) -> Vector:
 
 def _swing(bench: Bench, method: str, size: float, t_end: float) -> tuple[Trajectory, Vector, Vector]:
     """Run from the static deflection with the speed of a swing of this size; return deflections and their rates."""
-    pair = Pair.of(bench)
+    pair = TorsionalPair.of(bench)
     at = started(bench, pair_output_u_rate=size * pair.omega / pair.r)
     path = bench.run(method, at=at, t_end=t_end, rate=20 * pair.omega, rtol=RTOL)
     return path, read(bench, path, "mesh_deflection")["pair.mesh"], path.x[:, -1] * pair.r
 
 
-def _energy(pair: Pair, depth: Vector, speed: Vector) -> Vector:
+def _energy(pair: TorsionalPair, depth: Vector, speed: Vector) -> Vector:
     """Return kinetic energy, strain energy and the torque's potential [J]."""
     pressed = np.maximum(depth, 0.0)
     return np.asarray(pair.m * speed**2 / 2 + pair.k * (pressed**2 / 2 - pair.static * depth))
@@ -83,7 +83,7 @@ def check_bounce(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     may be off by the square of the number of bounces times E / 4.
     """
     bench, count = opened("hard-bounce", {}), 200 if long else 20
-    pair = Pair.of(bench)
+    pair = TorsionalPair.of(bench)
     size, peak = 10 * pair.static, 11 * pair.static
     period = bounce_period(pair, size)
     path, depth, speed = _swing(bench, method, size, count * period)
@@ -113,7 +113,7 @@ def check_bounce(opened: Open, method: str, long: bool) -> Iterable[Finding]:
 def check_grazing(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     """Swing by the static deflection, a billionth more and a billionth less: teeth part for no time, or not quite."""
     bench, count = opened("hard-bounce", {}), 200 if long else 20
-    pair = Pair.of(bench)
+    pair = TorsionalPair.of(bench)
     for text, more in (("parting", 1e-9), ("staying", -1e-9)):
         size = pair.static * (1 + more)
         path, depth, speed = _swing(bench, method, size, count * 2 * pi / pair.omega)
@@ -132,7 +132,7 @@ def check_grazing(opened: Open, method: str, long: bool) -> Iterable[Finding]:
 def check_impact(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     """Let a gear fall on teeth with a damper: contact ends where the force is zero, before the deflection is."""
     bench = opened("hard-bounce", {"effects.mesh_damping": "on"})
-    pair = Pair.of(bench)
+    pair = TorsionalPair.of(bench)
     for speed in (3.0, 10.0, 100.0) if long else (10.0,):
         impact = Impact(pair, speed * pair.static * pair.omega)
         height = -pair.static
@@ -172,9 +172,10 @@ def check_zero_gap(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     count = 200 if long else 20
     benches = [opened("hard-bounce", {"effects.contact": contact}) for contact in ("bilateral", "backlash")]
     swings = [
-        _swing(bench, method, 3 * Pair.of(bench).static, count * 2 * pi / Pair.of(bench).omega) for bench in benches
+        _swing(bench, method, 3 * TorsionalPair.of(bench).static, count * 2 * pi / TorsionalPair.of(bench).omega)
+        for bench in benches
     ]
-    pair, (path, depth, _) = Pair.of(benches[0]), swings[1]
+    pair, (path, depth, _) = TorsionalPair.of(benches[0]), swings[1]
     forces = read(benches[1], path, "mesh_force")
     total = forces["pair.mesh"] - forces["pair.mesh.back"]
     peak = 4 * pair.static
@@ -198,7 +199,7 @@ def check_reversal(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     """Take the torque through zero and back, without damping: no energy is made."""
     times = [(10 if long else 1) * time for time in (0.001, 0.003, 0.005, 0.007, 0.009)]
     bench = opened("hard-bounce", reversed_torque(times))
-    pair = Pair.of(bench)
+    pair = TorsionalPair.of(bench)
     path = bench.run(method, t_end=times[-1], rate=40 * pair.omega, rtol=RTOL)
     forces = read(bench, path, "mesh_force").values()
     gained, angle = path.energy[1] - path.energy[0], path.x[:, -2]
@@ -215,7 +216,7 @@ def check_flanks(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     """Take the torque through zero and back, with damping: the other flank takes over."""
     times = (0.002, 0.012, 0.040, 0.050, 0.078)
     bench = opened("hard-bounce", reversed_torque(times) | {"effects.mesh_damping": "on"})
-    pair = Pair.of(bench)
+    pair = TorsionalPair.of(bench)
     path = bench.run(method, t_end=times[-1], rate=10 * pair.omega, rtol=RTOL)
     front, back = read(bench, path, "mesh_force").values()
     half, static = int(np.searchsorted(path.time, times[2])), pair.torque / pair.r

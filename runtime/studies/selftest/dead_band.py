@@ -19,7 +19,7 @@ from ...model.load_tables import Pairs
 from ...simulation.energy_balance import energy_residual
 from ...simulation.integration import Trajectory
 from .case import Bench, Finding, HardCase, Open
-from .pair import Pair, read
+from .pair import TorsionalPair, read
 
 Vector = NDArray[np.float64]
 SAMPLES, FINE = 40, 160
@@ -47,9 +47,9 @@ class DeadBand:
     bench: Bench
 
     @cached_property
-    def pair(self) -> Pair:
+    def pair(self) -> TorsionalPair:
         """Return the pair."""
-        return Pair.of(self.bench)
+        return TorsionalPair.of(self.bench)
 
     @cached_property
     def half(self) -> float:
@@ -96,7 +96,7 @@ class DeadBand:
         rate = samples * self.pair.omega / (2 * np.pi)
         return self.bench.run(method, t_end=end / self.pair.omega, rate=rate, rtol=RTOL)
 
-    def cycles(self, path: Trajectory) -> "Cycles":
+    def cycles(self, path: Trajectory) -> "MeshCycles":
         """Read the whole mesh cycles off a run."""
         y = read(self.bench, path, "mesh_deflection")["pair.mesh"] / self.half + 1
         phase = path.x[:, 0] * self.bench.values["pair.mesh.cycles"]
@@ -106,11 +106,11 @@ class DeadBand:
         knots = np.array(self.bench.tables["loads.input.speed_over_time"])
         speed = np.interp(path.time, *knots.T) * self.bench.values["pair.mesh.teeth_1"] / self.pair.omega
         middle = (first[:-1] + first[1:]) // 2
-        return Cycles(time[middle], speed[middle], swing)
+        return MeshCycles(time[middle], speed[middle], swing)
 
 
 @dataclass(frozen=True)
-class Cycles:
+class MeshCycles:
     """Whole cycles of the mesh: time w t, frequency over w, and half of what y moves through, one a cycle."""
 
     time: Vector

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from .pair import Pair
+from .pair import TorsionalPair
 
 Vector = NDArray[np.float64]
 
@@ -21,7 +21,7 @@ class Impact:
     with. They let go where the force k x + c x' falls to zero, x itself being above zero still.
     """
 
-    pair: Pair
+    pair: TorsionalPair
     v: float
 
     @property

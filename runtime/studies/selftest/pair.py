@@ -35,7 +35,7 @@ def started(bench: Bench, **given: float) -> Equilibrium:
 
 
 @dataclass(frozen=True)
-class Pair:
+class TorsionalPair:
     """A pair without sideways motion whose gear 1 is held: a mass m on the spring k of the mesh.
 
     Mass [kg] and stiffness [N/m] along the line of action, base radius [m] and constant torque [N m] of gear 2,
@@ -49,7 +49,7 @@ class Pair:
     c: float
 
     @classmethod
-    def of(cls, bench: Bench) -> "Pair":
+    def of(cls, bench: Bench) -> "TorsionalPair":
         """Read a pair called ``pair``; where its torque is over time, that at the start."""
         v, r = bench.values, bench.values["pair.mesh.base_radius_2"]
         table = bench.tables.get("loads.output.torque_over_time", ((0.0, 0.0),))

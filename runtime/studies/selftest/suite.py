@@ -23,7 +23,7 @@ NO_METHOD = "-"
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CaseOutcome:
     """What a case found with one method.
 
     Attributes
@@ -74,7 +74,7 @@ class _Watched(Bench):
         return path
 
 
-def run_case(case: HardCase, method: str, open_: Open, full: bool) -> Outcome:
+def run_case(case: HardCase, method: str, open_: Open, full: bool) -> CaseOutcome:
     """Run one case with one method; never raises for what the case meets."""
     spent, clock = _Spent(), perf_counter()
     found: list[Finding] = []
@@ -96,7 +96,7 @@ def run_case(case: HardCase, method: str, open_: Open, full: bool) -> Outcome:
         verdict, reason = _judge(found)
     seconds = spent.seconds if case.integrates else perf_counter() - clock
     plain = tuple(Finding(item.what, float(item.value), float(item.limit)) for item in found)
-    return Outcome(method, verdict, plain, reason, seconds, asdict(spent.counts))
+    return CaseOutcome(method, verdict, plain, reason, seconds, asdict(spent.counts))
 
 
 def _judge(found: Sequence[Finding]) -> tuple[str, str]:
@@ -107,7 +107,7 @@ def _judge(found: Sequence[Finding]) -> tuple[str, str]:
     return (WRONG, "; ".join(off)) if off else (OK, "")
 
 
-def with_slow(outcomes: Iterable[Outcome]) -> tuple[Outcome, ...]:
+def with_slow(outcomes: Iterable[CaseOutcome]) -> tuple[CaseOutcome, ...]:
     """Return a case's outcomes, those marked that are right but far slower than the fastest right one."""
     kept = tuple(outcomes)
     fastest = min((item.seconds for item in kept if item.verdict == OK), default=0.0)
@@ -160,10 +160,10 @@ def run_suite(
     return {"passed": passed, "full": full, "cases": shown}
 
 
-Work = Sequence[Callable[[], Outcome]]
+Work = Sequence[Callable[[], CaseOutcome]]
 
 
-def _in_turn(work: Work, told: Callable[[float], None]) -> list[Outcome]:
+def _in_turn(work: Work, told: Callable[[float], None]) -> list[CaseOutcome]:
     """Run one after another."""
     outcomes = []
     for job in work:
@@ -172,7 +172,7 @@ def _in_turn(work: Work, told: Callable[[float], None]) -> list[Outcome]:
     return outcomes
 
 
-def _side_by_side(work: Work, workers: int, told: Callable[[float], None]) -> list[Future[Outcome]]:
+def _side_by_side(work: Work, workers: int, told: Callable[[float], None]) -> list[Future[CaseOutcome]]:
     """Run in fresh processes, so that nothing of an integrator's memory is shared."""
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
         futures = [pool.submit(job) for job in work]
@@ -185,9 +185,9 @@ def _side_by_side(work: Work, workers: int, told: Callable[[float], None]) -> li
         return futures
 
 
-def outcome_of(future: Future[Outcome], method: str) -> Outcome:
+def outcome_of(future: Future[CaseOutcome], method: str) -> CaseOutcome:
     """Return what a process found; one that died found its case wrong, and so did those that waited for it."""
     try:
         return future.result()
     except BrokenProcessPool:
-        return Outcome(method, WRONG, (), "a process died on the way; run cases and methods one by one", 0.0, {})
+        return CaseOutcome(method, WRONG, (), "a process died on the way; run cases and methods one by one", 0.0, {})

@@ -27,7 +27,7 @@ FIELDS: tuple[tuple[Any, str], ...] = (
 MOST_STEPS = 1_000_000
 
 
-class State(ctypes.Structure):
+class AdjointStruct(ctypes.Structure):
     """The structure ``adjoint`` of the C."""
 
     _fields_ = [(name, kind) for kind, names in FIELDS for name in names.split()]
@@ -55,7 +55,7 @@ class Backward:
 
     def __init__(self, course: Course, output: int, rtol: float) -> None:
         library, nodes = course.library, course.nodes
-        self.course, self.state, self.arrays = course, State(), dict[str, Vector]()
+        self.course, self.state, self.arrays = course, AdjointStruct(), dict[str, Vector]()
         n, n_p, n_s = (library.functions["rhs"].size1_in(i) for i in (0, 2, 1))
         self._bound = [
             self._bind("motion", _motion_gradient(library)),
@@ -77,7 +77,7 @@ class Backward:
             setattr(state, name, self.arrays[name].ctypes.data)
         self.adjoint, self.gradient = self.arrays["lambda"], self.arrays["gradient"]
         self._sweep = engine().ltcgear_adjoint
-        self._sweep.argtypes = [ctypes.POINTER(State), ctypes.c_double, ctypes.c_double]
+        self._sweep.argtypes = [ctypes.POINTER(AdjointStruct), ctypes.c_double, ctypes.c_double]
 
     def go_back(self, piece: Piece, start: float, end: float, a: float, b: float) -> None:
         """Go back over a part of a piece.

@@ -20,7 +20,7 @@ GEOMETRY = (
 
 
 @dataclass(frozen=True)
-class Influence:
+class ParameterInfluence:
     """What one parameter does to a number.
 
     Attributes
@@ -58,7 +58,7 @@ def is_size(name: str, unit: str, value: float) -> bool:
 
 def list_influences(
     manifest: Manifest, p: Vector, number: float, derivative: Vector, beside: dict[str, Vector] | None = None
-) -> list[Influence]:
+) -> list[ParameterInfluence]:
     """List what all parameters do to a number: sizes first, then geometry by its unit, the strongest first.
 
     Parameters
@@ -79,13 +79,13 @@ def list_influences(
         size = is_size(name, unit, value)
         relative = slope * value / number if value and number else None
         others = {key: float(each[i]) * (value if size else 1.0) for key, each in (beside or {}).items()}
-        found.append(Influence(name, value, unit, "size" if size else "geometry", slope, relative, others))
+        found.append(ParameterInfluence(name, value, unit, "size" if size else "geometry", slope, relative, others))
     return _strongest_first(found)
 
 
-def _strongest_first(found: list[Influence]) -> list[Influence]:
+def _strongest_first(found: list[ParameterInfluence]) -> list[ParameterInfluence]:
     """Return influences by kind and unit, those without derivative last, and the strongest of each first."""
-    groups: dict[tuple[bool, bool, str], list[Influence]] = {}
+    groups: dict[tuple[bool, bool, str], list[ParameterInfluence]] = {}
     for item in found:
         size = item.kind == "size"
         groups.setdefault((not size, isnan(item.derivative), "" if size else item.unit), []).append(item)

@@ -12,7 +12,7 @@ from distributed.client import ClosedClientError
 from ltcgear.generated.errors import LtcgearError
 
 from ...results.terminal import tell
-from .task import Outcome, forget_plan, keep_plan, run_point
+from .task import PointOutcome, forget_plan, keep_plan, run_point
 
 PATIENCE = 10
 """Seconds to wait for a scheduler, for its first worker, and for a point before one looks whether there are workers."""
@@ -79,7 +79,7 @@ class Cluster:
         finally:
             self._clear(lambda: self.client.unregister_worker_plugin(plugin.name))
 
-    def run(self, name: str, points: Sequence[int], begun: list[int]) -> Generator[Outcome, None, None]:
+    def run(self, name: str, points: Sequence[int], begun: list[int]) -> Generator[PointOutcome, None, None]:
         """Yield outcomes as they come; note the points that are on their way to a worker.
 
         Raises

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 from ltcgear.generated.errors import LtcgearError
 
 from .faults import is_crash
-from .task import Outcome, Plan, forget_plan, keep_plan, run_point, start_process
+from .task import Plan, PointOutcome, forget_plan, keep_plan, run_point, start_process
 
 INSTALL = "pip install 'ltcgear[sweep]'"
 DIED = "the process died that computed this point, twice; {}"
@@ -42,7 +42,7 @@ class Pool(Protocol):
 class Server(Protocol):
     """Computes points of a plan that all workers know."""
 
-    def run(self, name: str, points: Sequence[int], begun: list[int]) -> Generator[Outcome, None, None]:
+    def run(self, name: str, points: Sequence[int], begun: list[int]) -> Generator[PointOutcome, None, None]:
         """Yield outcomes as they come; note the points that are on their way to a worker."""
 
 
@@ -87,7 +87,7 @@ class Joblib:
     def __init__(self, settings: dict[str, Any]) -> None:
         self.settings = settings
 
-    def run(self, name: str, points: Sequence[int], begun: list[int]) -> Generator[Outcome, None, None]:
+    def run(self, name: str, points: Sequence[int], begun: list[int]) -> Generator[PointOutcome, None, None]:
         """Yield outcomes as they come; note the points that are on their way to a worker."""
         from joblib import Parallel, delayed, parallel_config
 
@@ -113,7 +113,7 @@ def check_joblib() -> None:
         raise LtcgearError(f"sweeps need joblib: {INSTALL}") from error
 
 
-def compute_points(plan: Plan, points: Sequence[int], pool: Pool) -> Iterator[Outcome]:
+def compute_points(plan: Plan, points: Sequence[int], pool: Pool) -> Iterator[PointOutcome]:
     """Compute points; they come as they are done.
 
     Where a worker dies, the points that were under way are computed again one by one, so that the one that kills its
@@ -136,13 +136,13 @@ def compute_points(plan: Plan, points: Sequence[int], pool: Pool) -> Iterator[Ou
                     yield _run_alone(server, name, point, pool.deaths)
 
 
-def _run_alone(server: Server, name: str, point: int, deaths: tuple[type[Exception], ...]) -> Outcome:
+def _run_alone(server: Server, name: str, point: int, deaths: tuple[type[Exception], ...]) -> PointOutcome:
     """Compute a point while no other is under way."""
     try:
         [outcome] = server.run(name, [point], [])
     except deaths as error:
         signals = SIGNAL.findall(str(error))
-        return Outcome(point, DIED.format(", ".join(sorted(set(signals)))) if is_crash(signals) else KILLED)
+        return PointOutcome(point, DIED.format(", ".join(sorted(set(signals)))) if is_crash(signals) else KILLED)
     return outcome
 
 

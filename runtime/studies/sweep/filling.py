@@ -9,7 +9,7 @@ from .execution import KILLED, Pool, compute_points
 from .faults import is_machines, stopped_by_machine
 from .planning import Told, prepare
 from .sweep_file import GO_ON, Store
-from .task import UNBUILT, Outcome, Plan, find_places
+from .task import UNBUILT, Plan, PointOutcome, find_places
 
 SKIPPED = "left out by --skip"
 """Status of a point that was not to be computed."""
@@ -47,7 +47,7 @@ def fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
         raise _told_killed(killed, store)
 
 
-def _outcomes(plan: Plan, points: Sequence[int], pool: Pool, store: Store) -> Iterator[Outcome]:
+def _outcomes(plan: Plan, points: Sequence[int], pool: Pool, store: Store) -> Iterator[PointOutcome]:
     """Compute points; where the machine fails, say what is kept."""
     with stopped_by_machine(partial(_advise, store)):
         yield from compute_points(plan, points, pool)
@@ -85,7 +85,7 @@ def _build_late(plan: Plan, store: Store, point: int) -> bool:
     except LtcgearError as error:
         if is_machines(error):
             raise
-        store.add(Outcome(point, str(error)))
+        store.add(PointOutcome(point, str(error)))
         return True
     plan.models[key], plan.rows[key] = artifact, row
     return False

@@ -10,7 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from .design import Design, import_salib, make_problem
-from .sweep_reading import FloatArray, Numbers, design_of, is_done, is_whole, list_numbers
+from .sweep_reading import FloatArray, SweepNumbers, design_of, is_done, is_whole, list_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,7 @@ FLAT = 1e-9
 
 
 @dataclass(frozen=True)
-class Influence:
+class SobolIndices:
     """Sobol indices of one number (Saltelli et al. 2010, Comput. Phys. Commun. 181:259).
 
     Attributes
@@ -56,7 +56,7 @@ class Influence:
     dropped: int
 
 
-def find_influences(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[Influence]:
+def find_influences(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[SobolIndices]:
     """Return the Sobol indices of a sweep of the sample ``saltelli``.
 
     A block of the scheme, d + 2 runs, counts as a whole or not at all: one failed run takes its block along. What is
@@ -89,14 +89,14 @@ def find_influences(dataset: xr.Dataset, metrics: list[str] | None = None) -> li
     return [_analyse(design, number, done) for number in list_numbers(dataset, metrics)]
 
 
-def _analyse(design: Design, number: Numbers, done: NDArray[np.bool_]) -> Influence:
+def _analyse(design: Design, number: SweepNumbers, done: NDArray[np.bool_]) -> SobolIndices:
     """Return the indices of one number."""
     width = len(design.axes) + 2
     whole = np.asarray((done & np.isfinite(number.values)).reshape(-1, width).all(axis=1))
     kept, dropped = int(whole.sum()), int((~whole).sum())
     first, first_half, total, total_half = _estimate(design, number.values.reshape(-1, width)[whole].ravel())
     keys = tuple(axis.key for axis in design.axes)
-    return Influence(number.metric, number.item, keys, first, total, first_half, total_half, kept, dropped)
+    return SobolIndices(number.metric, number.item, keys, first, total, first_half, total_half, kept, dropped)
 
 
 def _estimate(design: Design, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:

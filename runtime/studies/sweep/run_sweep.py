@@ -25,7 +25,7 @@ from .planning import Told, check_points, choose_common_rate, make_plan
 from .summary import summarise
 from .sweep_file import Store, check_store, load_sweep
 from .sweep_reading import design_of
-from .task import Maker, Outcome, Plan
+from .task import Maker, Plan, PointOutcome
 
 MOST_WORKERS = 1024
 
@@ -126,7 +126,7 @@ def sweep(
         with Store(target, design, plan.form, describe_sweep(plan), _attributes(plan), retry) as store:
             kept, left_out = len(store.done), set(skip) - store.done
             for point in sorted(left_out):
-                store.add(Outcome(point, SKIPPED))
+                store.add(PointOutcome(point, SKIPPED))
             fill(plan, store, pool, told)
             seconds["simulate"] = perf_counter() - clock
             store.seal()

@@ -11,11 +11,11 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from ...results.attributes import finite
-from .influence import Influence, find_influences
+from .influence import SobolIndices, find_influences
 from .sweep_reading import (
     DONE,
     STATUS,
-    Numbers,
+    SweepNumbers,
     design_of,
     is_done,
     is_warned,
@@ -42,7 +42,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
         ``points``, ``failed``, ``reasons`` (text -> runs), ``warned`` (runs; None where an older file kept none),
         ``warnings`` (see `gather_warnings`), ``metrics`` (metric -> unit and, by item or for the
         number itself, `STATISTICS` over the points that are done; NaN is null) and, of the sample ``saltelli``,
-        ``influences`` (see ``influence.Influence``) or, where too many runs failed for any, ``without_influences``,
+        ``influences`` (see ``influence.SobolIndices``) or, where too many runs failed for any, ``without_influences``,
         which tells so.
     """
     done = is_done(dataset)
@@ -65,7 +65,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     return plain
 
 
-def seek_influences(dataset: xr.Dataset, metrics: list[str] | None) -> tuple[list[Influence], str]:
+def seek_influences(dataset: xr.Dataset, metrics: list[str] | None) -> tuple[list[SobolIndices], str]:
     """Return Sobol indices where the sample is made for them; else why there are none of a sample that is."""
     if design_of(dataset).sample != "saltelli":
         return [], ""
@@ -75,7 +75,7 @@ def seek_influences(dataset: xr.Dataset, metrics: list[str] | None) -> tuple[lis
         return [], str(error)
 
 
-def gather(number: Numbers, done: NDArray[np.bool_]) -> dict[str, float]:
+def gather(number: SweepNumbers, done: NDArray[np.bool_]) -> dict[str, float]:
     """Return the `STATISTICS` of a number over the points that are done and have it, and ``count``, how many."""
     values = number.values[done & np.isfinite(number.values)]
     if not values.size:
@@ -106,7 +106,7 @@ def gather_warnings(dataset: xr.Dataset) -> dict[str, int]:
     return {first[kind]: count for kind, count in counts.most_common()}
 
 
-def _plain(one: Influence) -> dict[str, Any]:
+def _plain(one: SobolIndices) -> dict[str, Any]:
     """Return the indices of a number as JSON has them, by the key varied."""
     columns = zip(one.axes, *(values.tolist() for values in columns_of(one)), strict=True)
     names = ("first", "first_confidence", "total", "total_confidence")
@@ -114,6 +114,6 @@ def _plain(one: Influence) -> dict[str, Any]:
     return {"metric": one.metric, "item": one.item, "axes": axes, "blocks": one.blocks, "dropped": one.dropped}
 
 
-def columns_of(one: Influence) -> tuple[Any, ...]:
+def columns_of(one: SobolIndices) -> tuple[Any, ...]:
     """Return the indices and their confidences."""
     return one.first, one.first_confidence, one.total, one.total_confidence

@@ -25,7 +25,7 @@ from ...results.netcdf import open_file, save
 from ...results.row_file import IDENTITY, Part, part_of, read_part
 from .design import Design
 from .sweep_reading import DONE, WARNINGS, is_done
-from .task import Outcome
+from .task import PointOutcome
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -174,7 +174,7 @@ class Store:
         """Return the points that are not there."""
         return [point for point in range(self.design.size) if point not in self.done]
 
-    def add(self, outcome: Outcome) -> None:
+    def add(self, outcome: PointOutcome) -> None:
         """Add a row; once this returns it outlasts the program."""
         if self.part is None or outcome.point in self.done:
             return
@@ -182,7 +182,7 @@ class Store:
         self.done.add(outcome.point)
         self.failed += outcome.values is None
 
-    def _append(self, part: SweepPart, outcome: Outcome) -> None:
+    def _append(self, part: SweepPart, outcome: PointOutcome) -> None:
         """Append a row to the part; of several of a point the last one counts."""
         columns: dict[str, NDArray[Any]] = {"point": np.array([outcome.point], float), CHECK: np.zeros(1, np.int32)}
         texts = {"status": _cut(outcome.status), WARNINGS: _join(outcome.warnings)}
@@ -318,14 +318,14 @@ def _arrange(rows: "xr.Dataset", design: Design) -> "xr.Dataset":
     return rows.assign_coords(axes)
 
 
-def _outcomes(rows: "xr.Dataset", form: "xr.Dataset") -> Iterator[Outcome]:
+def _outcomes(rows: "xr.Dataset", form: "xr.Dataset") -> Iterator[PointOutcome]:
     """Yield what came of the points of a sealed file."""
     done = is_done(rows)
     numbers = [rows[name].transpose("point", ...).values for name in form.data_vars]
     for k, point in enumerate(rows["point"].values):
         values = np.concatenate([np.ravel(variable[k]) for variable in numbers]) if done[k] else None
         told = tuple(str(rows[WARNINGS].values[k]).splitlines())
-        yield Outcome(int(point), str(rows["status"].values[k]), values, told)
+        yield PointOutcome(int(point), str(rows["status"].values[k]), values, told)
 
 
 def _cut(text: str, longest: int = LONGEST) -> bytes:

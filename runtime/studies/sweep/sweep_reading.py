@@ -26,7 +26,7 @@ QUIET = ("mesh_force_mean", "mesh_force_min", "mesh_force_rms", "mesh_force_ampl
 
 
 @dataclass(frozen=True)
-class Numbers:
+class SweepNumbers:
     """One number over the points of a sweep.
 
     Attributes
@@ -107,23 +107,23 @@ def choose_shown(dataset: xr.Dataset) -> list[str]:
     return [name for name in metrics if name not in QUIET] or metrics
 
 
-def list_numbers(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[Numbers]:
+def list_numbers(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[SweepNumbers]:
     """List all numbers of a sweep, spectra left out; those of some metrics only where these are given."""
     spectra = list_spectra(dataset)
     wanted = list_metrics(dataset) if metrics is None else metrics
     return [number for name in wanted if name not in spectra for number in _split(dataset[name])]
 
 
-def _split(variable: xr.DataArray) -> Iterator[Numbers]:
+def _split(variable: xr.DataArray) -> Iterator[SweepNumbers]:
     """Yield the numbers of a metric."""
     words, unit = str(variable.attrs.get("long_name", variable.name)), str(variable.attrs.get("units", "1"))
     values = variable.transpose(POINT, ...).values.astype(np.float64)
     if values.ndim == 1:
-        yield Numbers(str(variable.name), "", unit, words, values)
+        yield SweepNumbers(str(variable.name), "", unit, words, values)
         return
     items = variable[next(name for name in variable.dims if name != POINT)].values
     for item, column in zip(items, values.T, strict=True):
-        yield Numbers(str(variable.name), str(item), unit, words, column)
+        yield SweepNumbers(str(variable.name), str(item), unit, words, column)
 
 
 def shorten(keys: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:

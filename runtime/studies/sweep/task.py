@@ -53,7 +53,7 @@ class Maker(Protocol):
         """Return what a file keeps of the scene."""
 
 
-class Outcome(NamedTuple):
+class PointOutcome(NamedTuple):
     """What came of a point: its number, ``done`` or a reason, its numbers in the row's order or None, its warnings."""
 
     point: int
@@ -116,7 +116,7 @@ class Plan:
             self.libraries[key] = build(self.models[key])
         return self.libraries[key]
 
-    def compute(self, point: int) -> Outcome:
+    def compute(self, point: int) -> PointOutcome:
         """Compute a point.
 
         Raises
@@ -128,14 +128,14 @@ class Plan:
         """
         key, values, tables = self.maker.make(self.design.changes(point))
         if key not in self.models:
-            return Outcome(point, UNBUILT)
+            return PointOutcome(point, UNBUILT)
         result = simulate(self.library(key), values, tables=tables, **self.settings)
         status, warnings = result.summary["status"], tuple(result.summary["warnings"])
         if status.startswith("interrupted"):
             raise KeyboardInterrupt
         if status != DONE:
-            return Outcome(point, status, None, warnings)
-        return Outcome(point, DONE, _arrange(take_values(result, self.metrics), self.places[key]), warnings)
+            return PointOutcome(point, status, None, warnings)
+        return PointOutcome(point, DONE, _arrange(take_values(result, self.metrics), self.places[key]), warnings)
 
 
 def flatten(row: "xr.Dataset") -> Vector:
@@ -216,7 +216,7 @@ def forget_plan(name: str) -> None:
     _PLANS.pop(name, None)
 
 
-def run_point(name: str, point: int) -> Outcome:
+def run_point(name: str, point: int) -> PointOutcome:
     """Compute a point of a plan that this process knows; what fails is a reason in place of numbers.
 
     Raises
@@ -235,7 +235,7 @@ def run_point(name: str, point: int) -> Outcome:
         except Exception as error:  # one point in thousands must not end all others
             if is_machines(error):
                 raise MachineError(f"{plan.design.tell(point)}: {describe(error)}") from error
-            return Outcome(point, describe(error))
+            return PointOutcome(point, describe(error))
     if EXHAUSTED in outcome.status:
         raise MachineError(f"{plan.design.tell(point)}: {outcome.status}")
     return outcome

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...studies.sweep.influence import Influence
+from ...studies.sweep.influence import SobolIndices
 from ...studies.sweep.sweep_reading import shorten
 from ..plots import BLUE, ORANGE, make_canvas
 from .drawing import WIDTH, label_axes
@@ -18,7 +18,7 @@ PANELS = 4
 """Maps and groups of bars that a figure has at most."""
 
 
-def draw_influences(found: list[Influence]) -> Figure:
+def draw_influences(found: list[SobolIndices]) -> Figure:
     """Draw first-order and total Sobol indices with their confidence, a panel for each number, the first few.
 
     Parameters

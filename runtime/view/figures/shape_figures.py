@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...linear.modes import Mode
-    from ...linear.shapes import Motion
+    from ...linear.shapes import DiscMotion
     from ...linear.system import Linear
-    from ...model.layout import Disc, Sheet
+    from ...model.layout import Circle, Sheet
 
 COLOURS = {
     "ring": GREEN, "carrier": PURPLE, "sun": VERMILLION, "planet": BLUE, "input": ORANGE, "output": BLUE,
@@ -67,7 +67,7 @@ def caption(number: int, mode: Mode) -> str:
     return f"{number}: {mode.frequency_hz:.2f} Hz, damping {damping}, {mode.kind}{alike}\n{mode.name}"
 
 
-def _draw(axes: Axes, sheet: Sheet, motions: dict[str, Motion]) -> None:
+def _draw(axes: Axes, sheet: Sheet, motions: dict[str, DiscMotion]) -> None:
     """Draw one mode."""
     for disc in sheet.discs:
         motion = motions[disc.body]
@@ -81,7 +81,7 @@ def _draw(axes: Axes, sheet: Sheet, motions: dict[str, Motion]) -> None:
     axes.set_axis_off()
 
 
-def _circle(axes: Axes, disc: Disc, motion: tuple[float, float, float], colour: str, width: float) -> None:
+def _circle(axes: Axes, disc: Circle, motion: tuple[float, float, float], colour: str, width: float) -> None:
     """Draw a circle with a spoke that shows how it is turned."""
     x, y, turn = motion
     angle = np.linspace(0.0, 2 * np.pi, 73)

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ...linear.modes import Mode
-    from ...linear.shapes import Motion
+    from ...linear.shapes import DiscMotion
     from ...linear.system import Linear
-    from ...model.layout import Disc, Sheet
+    from ...model.layout import Circle, Sheet
 
 WIDTH = 640
 """Width of a drawing in its own units."""
@@ -86,7 +86,7 @@ def write_page(linear: Linear, modes: list[Mode], numbers: list[int], title: str
     )
 
 
-def draw_mode(sheet: Sheet, number: int, mode: Mode, motions: dict[str, Motion]) -> str:
+def draw_mode(sheet: Sheet, number: int, mode: Mode, motions: dict[str, DiscMotion]) -> str:
     """Return one mode as a figure of HTML, in the real part of its shape.
 
     Parameters
@@ -115,7 +115,7 @@ def draw_mode(sheet: Sheet, number: int, mode: Mode, motions: dict[str, Motion])
     )
 
 
-def _circle(disc: Disc, scale: float) -> str:
+def _circle(disc: Circle, scale: float) -> str:
     """Return a circle with a spoke; the page's y points down."""
     x, y, radius = scale * disc.x, -scale * disc.y, scale * disc.radius
     inner = 0.8 * radius if disc.part in ("ring", "carrier") else 0.0
@@ -126,7 +126,7 @@ def _circle(disc: Disc, scale: float) -> str:
     )
 
 
-def _moved(disc: Disc, motion: Motion, scale: float) -> str:
+def _moved(disc: Circle, motion: DiscMotion, scale: float) -> str:
     """Return a circle that moves: amplitudes of x, y [drawing] and turn [deg] as real and imaginary parts."""
     degrees = -57.29577951308232 * motion.turn
     shifts = scale * motion.x, -scale * motion.y

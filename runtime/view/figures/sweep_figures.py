@@ -14,11 +14,11 @@ from ...model.ties import order_by_size
 from ...results.amplitude_spectrum import noise_bandwidth
 from ...results.statistics import group_of
 from ...studies.sweep.axes import Axis
-from ...studies.sweep.influence import FLAT, Influence, find_influences
+from ...studies.sweep.influence import FLAT, SobolIndices, find_influences
 from ...studies.sweep.sweep_reading import (
     WARNINGS,
     FloatArray,
-    Numbers,
+    SweepNumbers,
     choose_shown,
     design_of,
     is_done,
@@ -95,25 +95,25 @@ def _is_numeric(dataset: Dataset, axis: Axis) -> bool:
     return dataset[axis.key].dtype.kind in "fiu"
 
 
-def _numbers_of(dataset: Dataset, metric: str) -> list[Numbers]:
+def _numbers_of(dataset: Dataset, metric: str) -> list[SweepNumbers]:
     """Return a metric's numbers, what is of failed runs as NaN."""
     done = is_done(dataset)
     return [
-        Numbers(one.metric, one.item, one.unit, one.words, np.where(done, one.values, np.nan))
+        SweepNumbers(one.metric, one.item, one.unit, one.words, np.where(done, one.values, np.nan))
         for one in list_numbers(dataset, [metric])
     ]
 
 
-def _grouped(numbers: list[Numbers]) -> list[list[Numbers]]:
+def _grouped(numbers: list[SweepNumbers]) -> list[list[SweepNumbers]]:
     """Return numbers by the group of their items, ``lsp.sun_planet``, the first few groups."""
-    groups: dict[str, list[Numbers]] = {}
+    groups: dict[str, list[SweepNumbers]] = {}
     for one in numbers:
         groups.setdefault(group_of(one.item), []).append(one)
     some = [[one for one in own if np.isfinite(one.values).any()] for own in groups.values()]
     return [own for own in some if own][:PANELS]
 
 
-def _scaled(numbers: list[Numbers]) -> tuple[list[FloatArray], str]:
+def _scaled(numbers: list[SweepNumbers]) -> tuple[list[FloatArray], str]:
     """Return values in a handy unit, and what an axis says of them."""
     size, unit = scale_of(numbers[0].unit, max(float(np.nanmax(np.abs(one.values))) for one in numbers))
     metric = numbers[0].metric
@@ -159,7 +159,7 @@ def _bins(values: FloatArray, count: int) -> FloatArray:
     return np.linspace(middle - half, middle + half, count + 1)
 
 
-def _draw_spread(counted: Axes, summed: Axes, own: list[Numbers]) -> None:
+def _draw_spread(counted: Axes, summed: Axes, own: list[SweepNumbers]) -> None:
     """Draw the histograms of a group and their sums."""
     values, label = _scaled(own)
     kept = [some[np.isfinite(some)] for some in values]
@@ -356,6 +356,6 @@ def _draw_influences(dataset: Dataset, metrics: list[str]) -> dict[str, Figure]:
     return {f"sobol-{_file_name(metric)}": draw_influences(some) for metric, some in own.items() if _vary(some)}
 
 
-def _vary(found: list[Influence]) -> bool:
+def _vary(found: list[SobolIndices]) -> bool:
     """Say whether any of some numbers varies."""
     return any(np.isfinite(one.first).all() for one in found)

@@ -8,10 +8,10 @@ import numpy as np
 
 from ...results.statistics import group_of
 from ...results.table import Cell, Table
-from ...studies.sweep.influence import LEVEL, Influence
+from ...studies.sweep.influence import LEVEL, SobolIndices
 from ...studies.sweep.summary import STATISTICS, columns_of, gather, seek_influences
 from ...studies.sweep.sweep_reading import (
-    Numbers,
+    SweepNumbers,
     choose_shown,
     design_of,
     is_done,
@@ -46,21 +46,21 @@ def list_tables(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[T
     along = len(design.varied) == 1 and design.varied[0].crossed
     metrics = choose_shown(dataset) if metrics is None else metrics
     numbers = list_numbers(dataset, metrics)
-    groups: dict[tuple[str, str], list[Numbers]] = {}
+    groups: dict[tuple[str, str], list[SweepNumbers]] = {}
     for number in numbers:
         groups.setdefault((number.metric, group_of(number.item) if along else ""), []).append(number)
     tables = [_over_axis(dataset, own) if along else _over_points(dataset, own) for own in groups.values()]
     return tables + _influences(dataset, metrics)
 
 
-def _head(own: list[Numbers]) -> tuple[str, float]:
+def _head(own: list[SweepNumbers]) -> tuple[str, float]:
     """Return the title of a metric's table, and the unit's size [SI] in which numbers are handy."""
     largest = max((float(np.abs(one.values[np.isfinite(one.values)]).max(initial=0.0)) for one in own), default=0.0)
     size, unit = scale_of(own[0].unit, largest)
     return f"{own[0].metric}: {own[0].words} [{unit}]", size
 
 
-def _over_points(dataset: xr.Dataset, own: list[Numbers]) -> Table:
+def _over_points(dataset: xr.Dataset, own: list[SweepNumbers]) -> Table:
     """List a metric's statistics over the points, a row for each item."""
     done = is_done(dataset)
     title, size = _head(own)
@@ -73,7 +73,7 @@ def _over_points(dataset: xr.Dataset, own: list[Numbers]) -> Table:
     return Table(title, ("", *HEADINGS), tuple(rows), (*pooled, *_tell_doubts(dataset)))
 
 
-def _over_axis(dataset: xr.Dataset, own: list[Numbers]) -> Table:
+def _over_axis(dataset: xr.Dataset, own: list[SweepNumbers]) -> Table:
     """List a metric over the one axis, a column for each item of a group."""
     axis = design_of(dataset).varied[0]
     title, size = _head(own)
@@ -133,7 +133,7 @@ def _influences(dataset: xr.Dataset, metrics: list[str]) -> list[Table]:
     return tables
 
 
-def _said(own: list[Influence]) -> tuple[str, ...]:
+def _said(own: list[SobolIndices]) -> tuple[str, ...]:
     """Say with what indices were estimated, and what was left out."""
     blocks, dropped = own[0].blocks, max(one.dropped for one in own)
     notes = [f"{blocks} blocks; +- is half of the {100 * LEVEL:.0f} % interval, by resampling blocks"]

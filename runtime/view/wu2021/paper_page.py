@@ -56,7 +56,7 @@ CAPTIONS = {
 
 
 @dataclass(frozen=True)
-class Material:
+class PageContent:
     """What the page is made of.
 
     Attributes
@@ -99,12 +99,12 @@ def check_page() -> None:
     open_templates(ROOM, NEEDING)
 
 
-def write_page(material: Material, path: "Path") -> "Path":
+def write_page(material: PageContent, path: "Path") -> "Path":
     """Write the page; it appears whole or not at all."""
     return write_text(compose(material), path)
 
 
-def compose(material: Material) -> str:
+def compose(material: PageContent) -> str:
     """Return the page's HTML."""
     first = material.datasets["assumed"]
     start = steady_start(first)
@@ -144,7 +144,7 @@ def _list_modes(modes: "Mapping[str, Sequence[Mode]]") -> list[dict[str, Any]]:
     ]
 
 
-def _tell_step(material: Material) -> list[dict[str, Any]]:
+def _tell_step(material: PageContent) -> list[dict[str, Any]]:
     """Return how far mesh forces overshoot their means at full load after the step, ripple and all or without it."""
     time, means = material.transient["time"].values, _means(material.datasets["assumed"])
     after, ripple = time >= material.step_s, round(RIPPLE / float(time[1] - time[0]))
@@ -163,7 +163,7 @@ def _means(dataset: "xr.Dataset") -> dict[str, float]:
     return {mesh: float(np.abs(steady.sel(mesh=mesh)).mean()) for mesh in MESHES}
 
 
-def _tell_steady(material: Material) -> list[dict[str, Any]]:
+def _tell_steady(material: PageContent) -> list[dict[str, Any]]:
     """Return how much load factors of successive parts of the second half of a run differ."""
     rows = []
     for rig, dataset in material.datasets.items():
@@ -181,7 +181,7 @@ def _turns(dataset: "xr.Dataset") -> dict[str, float]:
     return {name: abs(float(speed.sel(rotor=name))) * length / (2 * np.pi) for name in ("lsp.ring", "psh.output")}
 
 
-def _draw(material: Material, meshes: "Mapping[str, float]") -> dict[str, str]:
+def _draw(material: PageContent, meshes: "Mapping[str, float]") -> dict[str, str]:
     """Draw all figures; return them as SVG by name."""
     with themed():
         frequency = np.linspace(10.0, 700.0, 691)

@@ -1,0 +1,31 @@
+"""Structure of the product: no circles, short chains of imports, no name twice, nothing too long."""
+
+import numpy as np
+
+from benchmarks.structure import ROOT, circles, classes, functions, longest_chain, modules, stems
+
+ROOMS = {"analysis", "cli", "export", "linear", "model", "results", "simulation", "studies", "view"}
+
+
+def test_no_module_imports_itself_in_a_circle():
+    assert circles() == []
+
+
+def test_runtime_has_its_rooms_and_the_door():
+    found = {path.name for path in (ROOT / "runtime").iterdir()} - {"__pycache__"}
+    assert found == {*ROOMS, "__init__.py", "py.typed"}
+
+
+def test_no_name_occurs_twice():
+    assert (stems(), classes()) == ({}, {})
+
+
+def test_files_and_functions_are_short():
+    sizes = functions()
+    assert np.quantile(list(sizes.values()), 0.9) <= 22
+    assert {name: size for name, size in sizes.items() if size > 60} == {}
+    assert {name: module.lines for name, module in modules().items() if module.lines > 400} == {}
+
+
+def test_chains_of_imports_stay_short():
+    assert len(longest_chain()) <= 21
