@@ -8,7 +8,7 @@ from ltcgear.generated.contract import HELD
 from ...model import continuation, equilibrium, vibration_scale
 from ...model.cstruct import FAULTS, FIELDS, SOURCES, source
 from ...simulation import contact_events, driver, method_limits
-from ...simulation.methods import segment_methods
+from ...simulation.methods import stepper
 
 PARTS = (
     "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "saving.c", "advance.c",
@@ -23,7 +23,7 @@ HEAD = """/* The integration of a gearbox that ltcgear has turned into C, see lt
 """
 CONSTANTS = {
     "SHORTEST": driver.SHORTEST, "LONGEST": driver.LONGEST, "FINEST": driver.FINEST,
-    "MOST_STEPS": segment_methods.MOST_STEPS,
+    "MOST_STEPS": stepper.MOST_STEPS,
     "SLACK": contact_events.SLACK, "HELD": HELD, "LOADED": vibration_scale.LOADED, "UNLOADED": vibration_scale.UNLOADED,
     "ROUNDED": equilibrium.ROUNDING, "SETTLED": equilibrium.SETTLED, "LOOSENESS": equilibrium.LOOSE,
     "OPENNESS": equilibrium.OPEN, "FIRST_PART": continuation.FIRST, "SMALLEST_PART": continuation.SMALLEST,

@@ -12,7 +12,7 @@ from typing import Any
 from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ...simulation.integration import Trajectory
-from ...simulation.methods.segment_methods import Counts
+from ...simulation.methods.stepper import Counts
 from .case import Bench, Finding, HardCase, Open
 
 OK, SLOW, WRONG, REFUSED = VERDICTS = ("ok", "slow", "wrong", "refused")
