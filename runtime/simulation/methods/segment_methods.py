@@ -1,4 +1,4 @@
-"""One segment of smooth motion, by several integrators behind one interface.
+"""Integrators of one segment of smooth motion behind one interface.
 
 All integrate z with x = x_ref + S z, so that one relative tolerance refers to vibrations and not to how far a
 shaft has turned; CasADi's over the segment's own time 0..1. ``cvodes``, ``idas`` and ``sundae`` run on the compiled
