@@ -1,4 +1,4 @@
-"""What symbolic and running side agree on: function names, argument order, shapes, names of everything.
+"""Contract of the generated C: functions, order of arguments, shapes, names.
 
 Every generated model has these functions, with x the states, s the mesh levels and after them the load
 signals, p the parameters. Signals are values of the scene's tables over time, which change linearly

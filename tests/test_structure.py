@@ -1,7 +1,6 @@
 """Structure of the product: no circles, short chains of imports, no name twice, nothing too long."""
 
 import numpy as np
-
 from benchmarks.structure import ROOT, circles, classes, functions, longest_chain, modules, stems
 
 ROOMS = {"analysis", "cli", "export", "linear", "model", "results", "simulation", "studies", "view"}

@@ -1,4 +1,4 @@
-"""Survey: all that ``ltcgear analyse`` tells about a span of a result, found in one go."""
+"""Survey of a result: all that ``ltcgear analyse`` tells about a span."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The page docs/commands.md, written from the command line itself."""
+"""Page docs/commands.md, written from the command line itself."""
 
 from collections.abc import Iterator
 from typing import Any

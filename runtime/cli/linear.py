@@ -1,4 +1,4 @@
-"""Commands of small motions about the loaded equilibrium: modes."""
+"""Command modes: small motions about the loaded equilibrium."""
 
 from math import isfinite
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The command that measures what accuracy costs, and the choice of settings by what it found: accuracy."""
+"""Command accuracy: what accuracy costs in time, and the choice of settings by it."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any

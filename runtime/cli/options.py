@@ -1,4 +1,4 @@
-"""Options and arguments that the commands share: names, help and bounds."""
+"""Options and arguments that commands share: names, help and bounds."""
 
 from pathlib import Path
 from typing import Annotated

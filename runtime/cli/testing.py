@@ -1,4 +1,4 @@
-"""The command that tests the integrators: selftest."""
+"""Command selftest: the hard cases by every integrator."""
 
 import os
 from collections.abc import Mapping

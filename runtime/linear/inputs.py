@@ -1,4 +1,4 @@
-"""Inputs: what drives small motions, errors of teeth and ripple of torques, zdot = A z + b(omega) u."""
+"""Inputs of the linear model: transmission errors and torque ripple, zdot = A z + b(omega) u."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What a mode is, in words: who moves against whom, and over which element."""
+"""Descriptions of modes: which members move, and which elements take the strain energy."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace

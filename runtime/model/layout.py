@@ -1,4 +1,4 @@
-"""Sheet: the members of a train as circles side by side, stage by stage, as drawings of it show them."""
+"""Layout of the train: its members as circles side by side, stage by stage."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""Build: Artifact -> Library, the generated functions ready to call, compiled where there is a compiler."""
+"""Library of a model: the generated functions compiled and ready to call."""
 
 import ctypes
 import shutil

@@ -1,4 +1,4 @@
-"""Values: the numbers and tables that a caller gives for a model, each of a name that it knows, or refused by name."""
+"""Parameter values and tables that a caller gives, each by a known name or refused."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches

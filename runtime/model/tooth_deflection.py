@@ -1,4 +1,4 @@
-"""Teeth: what their deflections may be, from what no law of theirs holds for to what no tooth can give.
+"""Limits of mesh deflection: where the force law ceases to hold, and what no tooth can give.
 
 The law of a mesh is linear (a stiffness over the mesh phase), which teeth are only while they bend by far less than
 they are thick. Lengths along the line of action go by the base pitch p_b = 2 pi r_b / z, about three modules

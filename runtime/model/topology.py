@@ -1,4 +1,4 @@
-"""Ends: what each family of elements joins, and how members go by one name."""
+"""Topology of the train: which bodies each connection joins."""
 
 import numpy as np
 from ltcgear.generated.contract import Manifest

@@ -1,4 +1,4 @@
-"""Sizes of vibrations, to which tolerances refer, and the fastest motion of the linearised model."""
+"""Vibration scale of each state, to which tolerances refer, and the fastest mode."""
 
 import numpy as np
 from numpy.typing import NDArray

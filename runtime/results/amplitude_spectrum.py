@@ -1,4 +1,4 @@
-"""Spectra: amplitude spectra of results, their strongest lines and the lines' names."""
+"""Amplitude spectra of results, their strongest lines and the lines' names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Dataset: rows of a run as named quantities with units, and with all that a reader needs to know of the model."""
+"""Dataset of a run: its samples as named quantities with units."""
 
 import json
 from dataclasses import asdict

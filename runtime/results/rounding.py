@@ -1,4 +1,4 @@
-"""Rounding: what of a result is nothing but the rounding of numbers and the tolerance of the integrator.
+"""Rounding: what of a result is only rounding, or the integrator's tolerance.
 
 Two rules say so, for a command to tell 0 where there is 0:
 

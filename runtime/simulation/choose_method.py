@@ -1,4 +1,4 @@
-"""Choice of the integrator: explicit steps, bound by stability, against costly ones, bound by accuracy only.
+"""Choice of the integrator: explicit steps bound by stability, or implicit ones bound by accuracy.
 
 The linearised model tells both. Its eigenvalues bound an explicit step; the part of its modes in what the jumps
 of stiffness, errors of teeth and loads set going says how long a step may be for accuracy.

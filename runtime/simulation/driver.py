@@ -1,4 +1,4 @@
-"""March: an integration under way, segment by segment of smooth motion between switching instants.
+"""Driver of an integration: segments of smooth motion between switching instants.
 
 The segments themselves are in C (``native/march.c``); here they are set going, and led from knot to knot of the loads
 and from turn to turn of the reference.

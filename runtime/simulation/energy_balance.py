@@ -1,4 +1,4 @@
-"""Energy: whether what a run's energy did adds up."""
+"""Energy balance of a run."""
 
 import numpy as np
 from numpy.typing import NDArray

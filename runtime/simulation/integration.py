@@ -1,4 +1,4 @@
-"""Integrate: segments of smooth motion between switching instants, sampled on a uniform grid."""
+"""Integration: segments of smooth motion between switching instants, sampled on a uniform grid."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

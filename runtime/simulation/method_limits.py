@@ -1,4 +1,4 @@
-"""Refuse, before anything is integrated, what a method cannot finish, or not within the hour."""
+"""Limits of methods: runs that a method cannot finish, or not within the hour, are refused."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Recording: a simulation whose samples go to a file while it runs, so that memory stays flat and it can go on."""
+"""Recording: a simulation whose samples go to a file while it runs, and which can be resumed."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict

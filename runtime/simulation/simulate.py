@@ -1,4 +1,4 @@
-"""The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
+"""Simulation in memory: library -> equilibrium -> trajectory -> result."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict

@@ -1,4 +1,4 @@
-"""Cost: what variants of a model take to run, and how far their mesh forces are from the full one's."""
+"""Cost of effects: time of variants of a model, and how far their mesh forces are off."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,4 +1,4 @@
-"""Second stage: Scene -> Model, only with the elements that the scene's effects call for."""
+"""Assembly of the model: bodies and elements that the scene's effects call for (Scene -> Model)."""
 
 from math import cos, sin
 

@@ -1,4 +1,4 @@
-"""Bodies of a model and what ties them to the housing and to each other."""
+"""Bodies of the model, their bearings, pins and couplings."""
 
 from math import sqrt
 

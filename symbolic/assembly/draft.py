@@ -1,4 +1,4 @@
-"""The model and its meshes while they are being put together, the only mutable values of the pipeline."""
+"""Draft of the model while it is assembled; the only value of the pipeline that changes."""
 
 from dataclasses import dataclass, field
 

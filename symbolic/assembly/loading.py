@@ -1,4 +1,4 @@
-"""What drives and brakes: the reference speed, torques, tables over time, the slip law."""
+"""Loads and drives of the model: reference speed, torques, tables over time, slip law."""
 
 from ..gears import train
 from ..schema.scene_schema import Load

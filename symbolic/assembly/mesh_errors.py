@@ -1,4 +1,4 @@
-"""What takes from the deflection of a mesh: transmission error, single teeth, a pin out of place."""
+"""Errors of a mesh: transmission error, errors of single teeth, misplaced pins."""
 
 from collections.abc import Iterator
 from math import atan2, cos, sin, sqrt

@@ -1,4 +1,4 @@
-"""Friction of meshes: at the pitch point, or at the contacts of the teeth."""
+"""Mesh friction: at the pitch point, or at the contacts of the teeth."""
 
 from ltcgear.generated.contract import BACK
 

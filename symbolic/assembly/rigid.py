@@ -1,4 +1,4 @@
-"""What is rigidly joined: members of rigid shafts, planets on rigid pins."""
+"""Rigid joints of the model: members of rigid shafts, planets on rigid pins."""
 
 from math import cos, sin
 

@@ -1,4 +1,4 @@
-"""What a book is made of: chapters of paragraphs, equations and tables, whatever they are written as in the end."""
+"""Content of the book: chapters of paragraphs, equations and tables, whatever the output format."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

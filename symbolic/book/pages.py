@@ -1,4 +1,4 @@
-"""A book on paper: one HTML page with MathML, or a LaTeX file; both show the same content."""
+"""Output of the book: one HTML page with MathML, or a LaTeX file, of the same content."""
 
 import re
 from functools import cache

@@ -1,4 +1,4 @@
-"""Last stages: Equations -> CasADi functions -> C text, manifest and serialised graphs."""
+"""C text and manifest of a model: Equations -> CasADi functions -> C."""
 
 import casadi as ca
 from ltcgear.generated.contract import Artifact, Manifest, Signature

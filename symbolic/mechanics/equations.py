@@ -1,4 +1,4 @@
-"""Third stage: Model -> Equations, the elements instanced and summed on the bodies, in CasADi.
+"""Equations of motion: elements instanced and summed on the bodies, in CasADi (Model -> Equations).
 
 Element types were derived in SymPy; here each instance is one call of its type's function, so the work
 grows with the number of gears only as fast as the equations themselves do.

@@ -1,4 +1,4 @@
-"""How bodies move, in CasADi: states, and position and rates of every body in its frame and against the ground."""
+"""Kinematics in CasADi: states, position and rates of every body in its frame and against the ground."""
 
 from collections.abc import Iterator
 from typing import Any

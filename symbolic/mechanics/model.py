@@ -1,4 +1,4 @@
-"""Second stage's value: the Model, what the scene's effects call for and nothing else.
+"""Model: bodies, element instances and parameters that a scene's effects call for.
 
 A model is structure (bodies, element instances, levels, load signals) plus numbers (parameters, tables over
 time). Structure is baked into the C; numbers stay parameters, and tables are read while the C runs. Nothing

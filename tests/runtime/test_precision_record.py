@@ -182,7 +182,8 @@ def test_a_record_of_another_model_is_refused():
 
 
 def test_an_error_that_no_setting_meets_is_refused():
-    with pytest.raises(LtcgearError, match=r"smallest error there is 1.0e-08.*--preset full"):
+    told = r"smallest error there is 1.1e-08; ask for --accuracy 1.11e-06%, or run .*--preset full"
+    with pytest.raises(LtcgearError, match=told):
         select_setting(make_record(), "accuracy.json", 1e-9, "m", "n")
     empty = make_record(points=[gap("erk", 1e-3, "no")])
     with pytest.raises(LtcgearError, match="no setting"):

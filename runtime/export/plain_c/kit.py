@@ -1,4 +1,4 @@
-"""Kit: the C that is the same for all scenes, and goes with ``model.c`` and ``data.c``."""
+"""Integration in plain C: the files that are the same for all scenes."""
 
 from functools import cache
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""CasADi's integrators: SUNDIALS CVODES and IDAS, and the Rosenbrock method that it emits as C.
+"""Integrators of CasADi: SUNDIALS CVODES and IDAS, and the Rosenbrock method that it emits as C.
 
 They integrate over the segment's own time 0..1. ``cvodes``, ``idas`` and ``adams`` run on the compiled right-hand side,
 the first two on the compiled Jacobian too; ``rosenbrock`` is emitted and compiled whole.

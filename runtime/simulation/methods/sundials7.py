@@ -1,4 +1,4 @@
-"""The independent engine: SUNDIALS 7 CVODE by scikit-sundae, on the compiled right-hand side and Jacobian.
+"""SUNDIALS 7 CVODE by scikit-sundae: the independent integrator.
 
 It goes on from arc to arc without a restart, and restarts where the motion's laws change. It is not told where
 a switching is due: its own root finding stops it where a distance of the watch falls to zero.

@@ -1,4 +1,4 @@
-"""Presets: how much is measured, and how long the motion is that it is measured on."""
+"""Presets of a measurement: how much is measured, over how long a motion."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Record: what was measured, as JSON and CSV, in a folder of the user's and in the store."""
+"""Record of a measurement as JSON and CSV."""
 
 import csv
 import io

@@ -1,4 +1,4 @@
-"""Reference: the motion by two different methods at tight tolerance, and how far they are apart.
+"""Reference motion by two different methods at tight tolerance, and their difference.
 
 Where a model is linear between its jumps, both are compared with the exact motion too.
 """

@@ -1,4 +1,4 @@
-"""The suite: every hard case with every method; what came out, what it is worth, what it cost."""
+"""Self-test suite: every hard case by every method."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed

@@ -1,4 +1,4 @@
-"""Course: a run from the equilibrium kept arc by arc, with what was held in each and what ended it."""
+"""Forward run of the adjoint, kept arc by arc."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

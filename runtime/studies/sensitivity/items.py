@@ -1,4 +1,4 @@
-"""Items: what the command `sensitivity` tells, of eigenfrequencies or of an output, as plain values."""
+"""Sensitivities of eigenfrequencies or of an output, as plain values."""
 
 from collections.abc import Mapping
 from typing import Any

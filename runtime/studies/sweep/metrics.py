@@ -1,4 +1,4 @@
-"""Metrics: what a sweep keeps of each run, by name; the form of a row is known before any run."""
+"""Metrics of a sweep: what it keeps of each run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures: what accuracy costs, a panel each and all on one sheet."""
+"""Figures of accuracy against time, one panel each and all on one sheet."""
 
 from __future__ import annotations
 

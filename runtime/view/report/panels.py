@@ -1,4 +1,4 @@
-"""Panels: the stages as they are drawn, wheels at their places and meshes with their lines of action."""
+"""Stage drawings of the report: gears at their places, meshes with their lines of action."""
 
 import json
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Stage view: panels in the drawing's units, posed at a sample; the page's script moves what stands here."""
+"""Stage view of the report, posed at a sample and moved by the page's script."""
 
 from __future__ import annotations
 

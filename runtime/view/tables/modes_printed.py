@@ -1,4 +1,4 @@
-"""What the commands of small motions print for people."""
+"""Terminal output of modes."""
 
 from typing import Any
 
