@@ -10,7 +10,8 @@ from ltcgear.generated import folders
 from ltcgear.runtime.cli.progress import progress
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.results.table import Cell, Table
-from ltcgear.runtime.studies.cost import MEASURES, ROUNDS, Variant, measure_costs
+from ltcgear.runtime.studies.cost import ROUNDS, Variant, measure_costs
+from ltcgear.runtime.studies.force_comparison import MEASURES
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.scene.load import load_scene

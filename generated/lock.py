@@ -1,12 +1,18 @@
 """Lock of an output: one program at a time writes it; the lock ends with the program."""
 
-import fcntl
-import os
+import errno
 from pathlib import Path
 from types import TracebackType
 
+from filelock import FileLock, Timeout
+
 from .errors import LtcgearError
 from .writing import follow, told
+
+GRACE = 0.05
+"""Seconds in which the file is tried again: who held it may just be removing it."""
+NO_LOCKS = (errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP)
+"""Errors of file systems on which files cannot be locked."""
 
 
 class Lock:
@@ -27,38 +33,25 @@ class Lock:
     """
 
     def __init__(self, target: Path) -> None:
-        self.target, self.path = target, lock_of(target)
-        self.file = self._open()
-        while not self._is_there():  # who held it removed it in between
-            os.close(self.file)
-            self.file = self._open()
-
-    def _open(self) -> int:
-        """Make the file and lock it, where files can be locked; never through a link."""
+        self.path = lock_of(target)
+        self._held = FileLock(
+            self.path, timeout=GRACE, poll_interval=GRACE / 10, thread_local=False, fallback_to_soft=False
+        )
         with told(self.path):
-            file = os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError as error:
-            os.close(file)
-            raise LtcgearError(
-                f"{self.target}: another run or sweep is writing it; wait for that, or give another -o"
-            ) from error
-        except OSError:
-            pass
-        return file
-
-    def _is_there(self) -> bool:
-        """Say whether the locked file is the one that others would find."""
-        try:
-            return os.path.samestat(os.fstat(self.file), self.path.lstat())
-        except FileNotFoundError:
-            return False
+            try:
+                self._held.acquire()
+            except Timeout as error:
+                raise LtcgearError(
+                    f"{target}: another run or sweep is writing it; wait for that, or give another -o"
+                ) from error
+            except OSError as error:
+                if error.errno not in NO_LOCKS:
+                    raise
 
     def release(self) -> None:
         """Let others write."""
-        self.path.unlink(missing_ok=True)
-        os.close(self.file)
+        self.path.unlink(missing_ok=True)  # while it is held: a file that others have locked stays
+        self._held.release()
 
     def __enter__(self) -> "Lock":
         """Hold it."""

@@ -9,7 +9,6 @@ import numpy as np
 from ltcgear.generated import folders, store
 from ltcgear.runtime.cli.command_page import write_commands
 from ltcgear.runtime.export.plain_c.data import PlainRun, write_data
-from ltcgear.runtime.export.plain_c.kit import write_kit
 from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.simulation.sampling_rate import find_rate
 from ltcgear.symbolic.assembly import build_model
@@ -75,11 +74,8 @@ def main(docs_only: bool) -> None:
     print("wrote " + ", ".join(f"docs/{name}" for name in PAGES))
     if docs_only:
         return
-    for folder, files in {
-        "plain": write_kit(),
-        **{folder: texts(scene) for scene, folder in COMMITTED.items()},
-    }.items():
-        folders.write_folder(HOME / folder, keep(HOME / folder, files))
+    for scene, folder in COMMITTED.items():
+        folders.write_folder(HOME / folder, keep(HOME / folder, texts(scene)))
         print(f"wrote generated/{folder}")
 
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from ltcgear.runtime.studies.cost import MEASURES
+from ltcgear.runtime.studies.force_comparison import MEASURES
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.describe.advice import warnings
 from ltcgear.symbolic.emit.pipeline import obtain

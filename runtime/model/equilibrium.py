@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import LinearOperator, onenormest, splu
 
-from .blas import SingleThreaded
+from .blas import single_threaded
 from .continuation import follow
 from .dynamic_relaxation import relax
 from .function import Kernel
@@ -123,7 +123,7 @@ def _replaced(library: Library, p: Vector, name: str, value: float) -> Vector:
     )
 
 
-@SingleThreaded()
+@single_threaded()
 def find_equilibrium(
     library: Library, p: Vector, levels: Vector | None = None, tables: Mapping[str, Pairs] | None = None
 ) -> Equilibrium:

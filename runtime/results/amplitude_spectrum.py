@@ -1,4 +1,7 @@
-"""Amplitude spectra of results, their strongest lines and the lines' names."""
+"""Amplitude spectra of results, their strongest lines and the lines' names.
+
+scipy.signal is imported where it is called: its import takes half a second, and runs have no spectra.
+"""
 
 from __future__ import annotations
 
@@ -25,14 +28,6 @@ CARRIER_ORDERS = 6
 SIDE_ORDERS, FAR_ORDERS = 3, 6
 #: Windows, and to how many bins on either side of a sine each spreads it (half of its main lobe).
 WINDOWS = {"hann": 2, "flattop": 5, "blackmanharris": 4, "boxcar": 1}
-#: Windows as sums of cosines: w_n = a_0 - a_1 cos(2 pi n / N) + a_2 cos(4 pi n / N) - ... They are those of
-#: scipy.signal.get_window, as are the peaks of `find_peaks`; that package takes longer to import than spectra to find.
-COSINES = {
-    "hann": (0.5, 0.5),
-    "flattop": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
-    "blackmanharris": (0.35875, 0.48829, 0.14128, 0.01168),
-    "boxcar": (1.0,),
-}
 
 
 @dataclass(frozen=True)
@@ -63,11 +58,9 @@ def window_samples(window: str, count: int) -> FloatArray:
     """
     if window not in WINDOWS:
         raise LtcgearError(f"window {window}: must be one of {', '.join(WINDOWS)}")
-    angle = 2.0 * np.pi / count * np.arange(count)
-    weights = np.zeros(count)
-    for k, share in enumerate(COSINES[window]):
-        weights += (-1) ** k * share * np.cos(k * angle)
-    return weights
+    from scipy.signal import get_window
+
+    return np.asarray(get_window(window, count), dtype=np.float64)
 
 
 def noise_bandwidth(window: str, count: int) -> float:
@@ -184,17 +177,10 @@ def find_peaks(values: FloatArray, distance: int = 1) -> list[int]:
 
     Of a flat one it is the middle. The first and last sample are never peaks.
     """
-    edges = np.flatnonzero(np.diff(values)) + 1
-    starts, stops = np.append(0, edges), np.append(edges, values.size)
-    rising = np.diff(values[starts]) > 0.0
-    tops = np.flatnonzero(rising[:-1] & ~rising[1:]) + 1
-    middles = (starts[tops] + stops[tops] - 1) // 2
-    found, near = list[int](), np.zeros(values.size, dtype=bool)
-    for peak in middles[np.argsort(-values[middles], kind="stable")]:
-        if not near[peak]:
-            found.append(int(peak))
-            near[max(peak - distance + 1, 0) : peak + distance] = True
-    return found
+    from scipy.signal import find_peaks as find_maxima
+
+    tops, _ = find_maxima(values, distance=distance)
+    return [int(top) for top in tops[np.argsort(-values[tops], kind="stable")]]
 
 
 def explain_line(

@@ -1,4 +1,4 @@
-"""Tables: small immutable results that print in a terminal and convert to JSON."""
+"""Tables: small immutable results that print in a terminal, stand in pages and convert to JSON and CSV."""
 
 from __future__ import annotations
 
@@ -50,6 +50,11 @@ class Table:
             if len(row) != len(self.columns):
                 raise ValueError(f"row {number} of {self.title!r} has {len(row)} cells for {len(self.columns)} columns")
 
+    @property
+    def numeric(self) -> tuple[bool, ...]:
+        """Say of each column whether it has no words; such are aligned on the right."""
+        return tuple(all(not isinstance(row[place], str) for row in self.rows) for place in range(len(self.columns)))
+
     def to_json(self) -> dict[str, Any]:
         """Plain lists and dictionaries, numbers at full precision, NaN as null."""
         return {
@@ -93,8 +98,7 @@ class Table:
         )
         widths = [self._width(place) for place in range(len(self.columns))]
         whole = sum(map(max, widths, map(len, self.columns))) + GAP * (len(widths) - 1)
-        for place, heading in enumerate(self.columns):
-            numeric = all(not isinstance(row[place], str) for row in self.rows)
+        for place, (heading, numeric) in enumerate(zip(self.columns, self.numeric, strict=True)):
             # Where room is short numbers keep theirs, below headings that break; of words, long ones give way.
             short = max([widths[place], *map(len, heading.split())])
             table.add_column(

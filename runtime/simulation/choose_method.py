@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.blas import SingleThreaded
+from ..model.blas import single_threaded
 from ..model.equilibrium import Equilibrium, closed, settled, state_matrix
 from ..model.function import Kernel
 from ..model.library import Library
@@ -78,7 +78,7 @@ class Pace:
     stable: float
 
 
-@SingleThreaded()
+@single_threaded()
 def choose(
     library: Library, at: Equilibrium, p: Vector, rtol: float, tables: Mapping[str, Pairs] | None = None,
     t_end: float | None = None,

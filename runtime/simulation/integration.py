@@ -10,7 +10,7 @@ from ltcgear.generated.contract import MOST_SAMPLES
 from ltcgear.generated.errors import LtcgearError, SolverError
 from numpy.typing import NDArray
 
-from ..model.blas import SingleThreaded
+from ..model.blas import single_threaded
 from ..model.contact_levels import levels_of
 from ..model.equilibrium import Equilibrium
 from ..model.library import Library
@@ -115,7 +115,7 @@ class Integration:
         If the run is shorter than one sample, or would take more than an hour and was not asked to.
     """
 
-    @SingleThreaded()
+    @single_threaded()
     def __init__(
         self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
         tables: Mapping[str, Pairs] | None = None, passing: float | None = None, long: bool = False,

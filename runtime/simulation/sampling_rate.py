@@ -7,7 +7,7 @@ from math import ceil, log2, pi
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.blas import SingleThreaded
+from ..model.blas import single_threaded
 from ..model.equilibrium import Equilibrium, find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs
@@ -38,7 +38,7 @@ class Rate:
     why: str | None
 
 
-@SingleThreaded()
+@single_threaded()
 def choose_rate(library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None = None) -> Rate:
     """Choose a sampling rate whose band holds the modes that are set going and the first harmonics of all meshes.
 

@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from ltcgear.generated import store
+from ltcgear.generated import folders, store
 from ltcgear.runtime.export.plain_c.kit import write_kit
 
 from regenerate import COMMITTED, HOME, computed, fixed, keep, same, texts
@@ -20,12 +20,6 @@ def test_committed_files_are_up_to_date(scene: str) -> None:
         committed = (HOME / COMMITTED[scene] / name).read_text("utf-8")
         assert fixed(committed) == fixed(text), f"generated/{COMMITTED[scene]}/{name} is stale; run `make regenerate`"
         assert same(committed, text), f"generated/{COMMITTED[scene]}/{name}: other numbers; run `make regenerate`"
-
-
-def test_committed_kit_is_up_to_date() -> None:
-    assert {path.name for path in (HOME / "plain").iterdir()} == set(write_kit())
-    for name, text in write_kit().items():
-        assert (HOME / "plain" / name).read_text("utf-8") == text, f"{name} is stale; run `make regenerate`"
 
 
 def test_numbers_are_the_same_but_for_rounding() -> None:
@@ -43,24 +37,25 @@ def test_numbers_are_the_same_but_for_rounding() -> None:
 
 @pytest.mark.parametrize("seed", ["1", "4711"])
 def test_the_hash_seed_changes_nothing(seed: str) -> None:
-    code = "from regenerate import *; print(store.digest([fixed(t) for t in texts('lin-parker-3').values()]))"
+    code = (
+        "from regenerate import *; from ltcgear.runtime.export.plain_c.kit import write_kit; "
+        "print(store.digest([fixed(t) for t in (texts('lin-parker-3') | write_kit()).values()]))"
+    )
     environment = os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT / "tests")}
     run = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     committed = [(HOME / "lin_parker_3" / name).read_text("utf-8") for name in ("model.c", "manifest.json", "data.c")]
-    assert run.stdout.strip() == store.digest([fixed(text) for text in committed])
+    assert run.stdout.strip() == store.digest([fixed(text) for text in [*committed, *write_kit().values()]])
 
 
 @pytest.mark.parametrize("folder", COMMITTED.values())
-def test_committed_c_compiles_without_a_warning(folder: str, tmp_path: Path) -> None:
+def test_committed_c_compiles_without_a_warning_with_the_kit(folder: str, tmp_path: Path) -> None:
     compiler = store.compiler()
     if compiler is None:
         pytest.skip("no C compiler here")
-    command = [compiler.path, "-std=c11", "-O0", "-fPIC", "-shared", "-Wall", "-Werror"]
-    run = subprocess.run(
-        [*command, str(HOME / folder / "model.c"), "-o", str(tmp_path / "model.so"), "-lm"],
-        capture_output=True,
-        text=True,
-    )
+    folders.write_folder(tmp_path, write_kit())
+    sources = [*sorted((HOME / folder).glob("*.c")), tmp_path / "ltcgear.c", tmp_path / "main.c"]
+    command = [compiler.path, "-std=c11", "-O0", "-Wall", "-Werror", f"-I{tmp_path}", *map(str, sources)]
+    run = subprocess.run([*command, "-o", str(tmp_path / "gearbox"), "-lm"], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
 
 

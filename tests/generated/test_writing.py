@@ -1,9 +1,11 @@
 """Output files: what may be written where; files that appear whole or not at all; drafts that nobody can guess."""
 
 import errno
+import fcntl
 import os
 import stat
 import subprocess
+import sys
 import time
 
 import pytest
@@ -226,6 +228,29 @@ def test_one_program_at_a_time_writes(tmp_path):
     assert not held.path.exists()
     with Lock(tmp_path / "a.nc"), Lock(tmp_path / "b.nc"):
         assert sorted(path.name for path in tmp_path.iterdir()) == ["a.part.lock", "b.part.lock"]
+
+
+@pytest.mark.parametrize("fault", [errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP])
+def test_outputs_are_written_where_files_cannot_be_locked(tmp_path, monkeypatch, fault):
+    def missing(file, how):
+        raise OSError(fault, os.strerror(fault))
+
+    monkeypatch.setattr(fcntl, "flock", missing)
+    with Lock(tmp_path / "a.nc"):
+        assert lock_of(tmp_path / "a.nc").exists()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_lock_ends_with_the_program(tmp_path):
+    code = (
+        "import os, sys; from pathlib import Path; from ltcgear.generated.lock import Lock;"
+        "held = Lock(Path(sys.argv[1])); os.kill(os.getpid(), 9)"
+    )
+    assert subprocess.run([sys.executable, "-c", code, str(tmp_path / "a.nc")], check=False).returncode == -9
+    assert lock_of(tmp_path / "a.nc").exists()
+    with Lock(tmp_path / "a.nc"):
+        pass
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_lock_is_not_made_through_a_link(tmp_path):

@@ -1,30 +1,37 @@
 """Threads of the linear algebra: one while ltcgear sets a run up, the user's number before and after."""
 
-from threading import Barrier, Thread
+from threading import Event, Thread
 
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.model import blas
-from ltcgear.runtime.model.blas import SingleThreaded
+from ltcgear.runtime.model.blas import single_threaded
 from ltcgear.runtime.simulation.simulate import simulate
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from .models import case
 
 
 def counts():
-    return [get() for get, _ in blas._libraries()]
+    return [library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"]
+
+
+def set_threads(count):
+    """Set the number for the process; a thread that sets it keeps others from it as long as it lives."""
+    thread = Thread(target=threadpool_limits, args=(count, "blas"))
+    thread.start()
+    thread.join()
 
 
 @pytest.fixture
 def two():
     """Let the libraries use two threads, as a user's program on two cores does."""
     before = counts()
-    if not before:
-        pytest.skip("neither NumPy nor SciPy has OpenBLAS from a wheel")
-    blas._set([2] * len(before))
+    set_threads(2)
+    if set(counts()) != {2}:
+        pytest.skip("this BLAS has one thread")
     yield
-    blas._set(before)
+    set_threads(before[0])
 
 
 def test_a_set_up_has_one_thread_and_the_program_keeps_its_own(two, monkeypatch):
@@ -45,19 +52,24 @@ def test_a_set_up_has_one_thread_and_the_program_keeps_its_own(two, monkeypatch)
     assert set(counts()) == {2}
 
 
-def test_threads_that_overlap_restore_what_was(two):
-    first, second = Barrier(2), Barrier(2)
+def test_set_ups_in_threads_follow_each_other_and_restore_what_was(two):
+    begun, seen = Event(), []
 
-    def early():
-        with SingleThreaded():
-            first.wait()
-        second.wait()
+    @single_threaded()
+    def late():
+        seen.append(set(counts()))
 
-    thread = Thread(target=early)
-    thread.start()
-    with SingleThreaded():
-        first.wait()
-        second.wait()
-        assert set(counts()) == {1}
+    def start():
+        begun.set()
+        late()
+
+    thread = Thread(target=start)
+    with single_threaded():
+        thread.start()
+        begun.wait()
+        with single_threaded():
+            assert set(counts()) == {1}
+        assert (set(counts()), seen) == ({1}, [])
     thread.join()
+    assert seen == [{1}]
     assert set(counts()) == {2}

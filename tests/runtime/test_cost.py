@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from ltcgear.generated.errors import LtcgearError, SolverError
-from ltcgear.runtime.studies.cost import MEASURES, Variant, compare_forces, measure_costs, mesh_orders
+from ltcgear.runtime.studies.cost import Variant, measure_costs
+from ltcgear.runtime.studies.force_comparison import MEASURES, compare_forces, mesh_orders, pair_orders, share_loads
 from ltcgear.runtime.view.figures.cost_figures import check_figure, draw_costs
 
 from .models import case
@@ -72,6 +73,23 @@ def test_nothing_to_refer_to_is_none_not_infinite():
     slow = result([100 + wave(10), 80 + wave(10)], speed=2.0)
     assert compare_forces(slow, FULL)["a"]["spectrum"] is None
     assert compare_forces(FULL.drop_vars("mesh_force"), FULL) == {}
+
+
+def test_shares_are_of_planets_that_carry():
+    one = {"a.sun_planet.1": TIME + 1, "a.sun_planet.2": -TIME - 1, "b.mesh": TIME, "c.sun_planet.1": 0 * TIME}
+    one["c.sun_planet.2"] = one["c.sun_planet.1"]
+    shares = share_loads(one, one | {"a.sun_planet.1": 3 * TIME + 3}, list(one))
+    assert list(shares) == [("a.sun_planet.1", "a.sun_planet.2")]
+    before, after = shares["a.sun_planet.1", "a.sun_planet.2"]
+    assert before.tolist() == [1.0, 1.0]
+    assert after == pytest.approx([1.5, 0.5])
+
+
+def test_a_force_that_stands_still_has_no_orders_to_compare():
+    phase = 40 * TIME
+    assert [len(found) for found in pair_orders(100 + 1e-5 * wave(1), wave(1), phase)] == [0, 0]
+    before, after = pair_orders(wave(1), wave(2), phase)
+    assert after == pytest.approx(2 * before)
 
 
 def test_orders_follow_a_mesh_that_speeds_up():

@@ -77,12 +77,13 @@ def test_nothing_is_written_without_the_lock_and_a_stale_one_is_none(tmp_path):
 
 def test_a_lock_that_was_removed_meanwhile_is_none(tmp_path, monkeypatch):
     path, flock, opened = tmp_path / "lock", fcntl.flock, []
-    first = lock.Lock(path)
+    first = [lock.Lock(path)]
 
     def slow(file, how):
-        opened.append(file)
-        if len(opened) == 1:
-            first.release()  # after the file was opened, before it is locked
+        if how & fcntl.LOCK_EX:
+            opened.append(file)
+        if len(opened) == 1 and first:
+            first.pop().release()  # after the file was opened, before it is locked
         flock(file, how)
 
     monkeypatch.setattr(fcntl, "flock", slow)

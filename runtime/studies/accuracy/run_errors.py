@@ -13,7 +13,7 @@ from ...results.statistics import group_of
 from ...simulation.integration import Trajectory
 from ...simulation.output_reader import outputs_of
 from ...simulation.verify import STILL, Signal, compare_signals
-from ..cost import mesh_orders
+from ..force_comparison import pair_orders, share_loads
 from ..selftest.case import Bench
 
 Vector = NDArray[np.float64]
@@ -89,7 +89,7 @@ def find_errors(reference: ComparedSamples, run: ComparedSamples) -> Errors:
     for kind, floor in _floors(reference).items():
         found[kind] = _worst_signal(reference.signals[kind], run.signals[kind], together, floor)
     one, two = ({name: force.real for name, force in s.signals["mesh_force"].items()} for s in (reference, run))
-    found["load_share"] = _load_share(one, two, together)
+    found["load_share"] = _load_share(*({name: force[together] for name, force in s.items()} for s in (one, two)))
     found["spectrum"] = _spectrum(one, two, together, reference.phases)
     found["states"] = _states(reference.states, run.states, together)
     return found
@@ -124,17 +124,12 @@ def _worst_signal(
     return max(found, key=lambda errors: float(errors["value"]), default=None)
 
 
-def _load_share(one: Mapping[str, Vector], two: Mapping[str, Vector], together: NDArray[np.bool_]) -> Errors | None:
+def _load_share(one: Mapping[str, Vector], two: Mapping[str, Vector]) -> Errors | None:
     """Return the largest difference of a planet's share: its mean force over the mean of all planets."""
-    groups: dict[str, list[str]] = {}
-    for mesh in one:
-        groups.setdefault(group_of(mesh), []).append(mesh)
     found: list[Errors] = []
-    for meshes in groups.values():
-        before, after = (np.array([abs(forces[mesh][together].mean()) for mesh in meshes]) for forces in (one, two))
-        if len(meshes) > 1 and before.sum() > 0 and after.sum() > 0:
-            off = np.abs(after / after.mean() - before / before.mean())
-            found.append({"value": float(off.max()), "item": meshes[int(off.argmax())]})
+    for meshes, (before, after) in share_loads(one, two, list(one)).items():
+        off = np.abs(after - before)
+        found.append({"value": float(off.max()), "item": meshes[int(off.argmax())]})
     return max(found, key=lambda errors: float(errors["value"]), default=None)
 
 
@@ -144,10 +139,9 @@ def _spectrum(
     """Return the largest difference in dB of a line at a mesh order; weak lines are left out."""
     found: list[Errors] = []
     for mesh, phase in phases.items():
-        if mesh not in one or not one[mesh].std() > STILL * abs(one[mesh].mean()):
+        if mesh not in one:
             continue
-        before = mesh_orders(one[mesh], phase)
-        after = mesh_orders(np.where(together, two[mesh], one[mesh]), phase)
+        before, after = pair_orders(one[mesh], np.where(together, two[mesh], one[mesh]), phase)
         lines = np.flatnonzero(before > LINES * before.max(initial=0.0))
         if len(lines):
             decibels = 20 * np.abs(np.log10(np.maximum(after[lines], 1e-300) / before[lines]))

@@ -8,28 +8,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...results.statistics import steady_start, window
+from ...results.table import Cell, Table
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     import xarray as xr
 
-Row = tuple[object, ...]
+Row = tuple[Cell, ...]
 FEWEST = 4
 """Samples that statistics need."""
 
 
-def make_table(title: str, columns: Iterable[str], rows: Iterable[Row], *notes: str) -> dict[str, Any]:
-    """Return a table as the page's template takes it; columns of numbers are on the right."""
-    listed = [list(row) for row in rows]
-    names = list(columns)
-    numeric = [all(not isinstance(row[k], str) for row in listed) and bool(listed) for k in range(len(names))]
-    cells = [[_written(cell) for cell in row] for row in listed]
-    return {"title": title, "columns": names, "rows": cells, "numeric": numeric, "notes": notes, "folded": False}
-
-
-def _written(cell: object) -> str:
-    """Write a cell, numbers with five digits; a dash for nothing."""
+def write_cell(cell: Cell) -> str:
+    """Write a cell of a page, numbers with five digits; a dash for nothing."""
     if cell is None or (isinstance(cell, float) and not math.isfinite(cell)):
         return "-"
     if not isinstance(cell, float):
@@ -38,7 +30,7 @@ def _written(cell: object) -> str:
     return f"{cell:.4e}" if size >= 1e6 or 0 < size < 1e-3 else f"{cell:,.0f}" if size >= 1e4 else f"{cell:.5g}"
 
 
-def list_tables(dataset: xr.Dataset, forces: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
+def list_tables(dataset: xr.Dataset, forces: Mapping[str, Mapping[str, float]]) -> list[Table]:
     """Return the tables of a result, over the second half of the record.
 
     Parameters
@@ -53,15 +45,15 @@ def list_tables(dataset: xr.Dataset, forces: Mapping[str, Mapping[str, float]]) 
     return [*_forces(forces), *_speeds(dataset), *_loads(dataset), *_bearings(dataset)]
 
 
-def _forces(forces: Mapping[str, Mapping[str, float]]) -> Iterator[dict[str, Any]]:
+def _forces(forces: Mapping[str, Mapping[str, float]]) -> Iterator[Table]:
     """List the mesh forces."""
     keys = ("mean", "min", "max", "rms", "load_factor")
     if forces:
-        yield make_table(
+        yield Table(
             "Mesh forces, second half of the record",
             ("mesh", "mean [N]", "min [N]", "max [N]", "rms [N]", "load factor [1]"),
-            [(name, *(_number(force.get(key)) for key in keys)) for name, force in forces.items()],
-            "Load factor: the largest force over the mean, extremes between samples included.",
+            tuple((name, *(_number(force.get(key)) for key in keys)) for name, force in forces.items()),
+            ("Load factor: the largest force over the mean, extremes between samples included.",),
         )
 
 
@@ -70,7 +62,7 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else float(value)
 
 
-def _speeds(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
+def _speeds(dataset: xr.Dataset) -> Iterator[Table]:
     """List the speeds of the rotors."""
     data = _steady(dataset, "speed")
     if data is not None:
@@ -79,27 +71,27 @@ def _speeds(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
             (name, value.mean() * factor, value.min() * factor, value.max() * factor, value.mean() / (2 * math.pi))
             for name, value in data.items()
         ]
-        yield make_table(
+        yield Table(
             "Speeds, second half of the record",
             ("rotor", "mean [rpm]", "min [rpm]", "max [rpm]", "mean [Hz]"),
-            [(name, *map(float, row)) for name, *row in rows],
-            "Counter-clockwise is positive.",
+            tuple((name, *map(float, row)) for name, *row in rows),
+            ("Counter-clockwise is positive.",),
         )
 
 
-def _loads(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
+def _loads(dataset: xr.Dataset) -> Iterator[Table]:
     """List the torques of drives, loads and couplings."""
     rows: list[Row] = []
     for kind, variable in (("drive", "drive_torque"), ("load", "load_torque"), ("coupling", "coupling_torque")):
         for name, value in (_steady(dataset, variable) or {}).items():
             rows.append((name, kind, *(float(v) for v in (value.mean(), value.min(), value.max()))))
     if rows:
-        yield make_table(
-            "Torques, second half of the record", ("name", "kind", "mean [N m]", "min [N m]", "max [N m]"), rows
+        yield Table(
+            "Torques, second half of the record", ("name", "kind", "mean [N m]", "min [N m]", "max [N m]"), tuple(rows)
         )
 
 
-def _bearings(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
+def _bearings(dataset: xr.Dataset) -> Iterator[Table]:
     """List the root mean squares of the bearings' forces."""
     rows: list[Row] = []
     for kind in ("bearing", "pin"):
@@ -108,9 +100,9 @@ def _bearings(dataset: xr.Dataset) -> Iterator[dict[str, Any]]:
             size = np.hypot(x[name], y[name])
             rows.append((name, kind, *(float(v) for v in (np.sqrt(np.mean(size**2)), size.mean(), size.max()))))
     if rows:
-        yield make_table(
-            "Bearings, second half of the record", ("bearing", "kind", "rms [N]", "mean [N]", "max [N]"), rows,
-            "Magnitude of the force in the plane; pins carry planets.",
+        yield Table(
+            "Bearings, second half of the record", ("bearing", "kind", "rms [N]", "mean [N]", "max [N]"), tuple(rows),
+            ("Magnitude of the force in the plane; pins carry planets.",),
         )  # fmt: skip
 
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from ...linear.shapes import exaggerate
 from ...model.layout import lay_out
+from ...results.table import Table
 from ..figures.shape_page import draw_mode
-from .listing import make_table
 from .sections import Section
 
 if TYPE_CHECKING:
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 DRAWN = 8
 """Shapes in a page."""
-FOLDED = 12
-"""Modes beyond which the list is folded away."""
 
 
 def make_mode_section(linear: Linear | None, modes: Sequence[Mode], reason: str) -> Section:
@@ -49,12 +47,10 @@ def make_mode_section(linear: Linear | None, modes: Sequence[Mode], reason: str)
     return section
 
 
-def _list(modes: Sequence[Mode]) -> dict[str, object]:
+def _list(modes: Sequence[Mode]) -> Table:
     """List all modes."""
-    rows = [
+    rows = tuple(
         (str(number), mode.frequency_hz, 100 * mode.damping_ratio, mode.kind, mode.name)
         for number, mode in enumerate(modes, start=1)
-    ]
-    return make_table("Eigenfrequencies", ("mode", "frequency [Hz]", "damping [%]", "class", "what moves"), rows) | {
-        "folded": len(rows) > FOLDED
-    }
+    )
+    return Table("Eigenfrequencies", ("mode", "frequency [Hz]", "damping [%]", "class", "what moves"), rows)

@@ -15,7 +15,7 @@ from ...results.rounding import round_statistics, without_rounding
 from ..html import open_templates, read_asset
 from .film import choose_windows, magnify, make_track, pack
 from .heading import describe_run, list_versions
-from .listing import list_tables
+from .listing import list_tables, write_cell
 from .mode_section import make_mode_section
 from .panels import make_panels
 from .scene_text import list_scene
@@ -81,6 +81,7 @@ def write_report(result: Result, path: Path, background: Background | None = Non
 def compose_report(result: Result, background: Background, at: float | None = None) -> str:
     """Return the page of a result; see ``write_report``."""
     environment = open_templates(ROOM, NEEDING)
+    environment.filters["cell"] = write_cell
     dataset, lost = _numbers(result.dataset)
     _check(dataset, at)
     dataset = without_rounding(dataset)

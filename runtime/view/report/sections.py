@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ...linear.modes import Mode
+    from ...results.table import Table
 
 MOST = 8
 """Figures of one kind in a page."""
@@ -47,7 +48,7 @@ class Section:
     text: list[str]
     pictures: list[dict[str, Any]] = field(default_factory=list)
     modes: list[str] = field(default_factory=list)
-    tables: list[dict[str, Any]] = field(default_factory=list)
+    tables: list[Table] = field(default_factory=list)
     moves: bool = False
 
     def draw(self, draw: Callable[[], Figure], caption: str, height: float, **size: Any) -> None:  # noqa: ANN401
