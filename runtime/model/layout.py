@@ -1,5 +1,6 @@
 """Sheet: the members of a train as circles side by side, stage by stage, as drawings of it show them."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,6 +8,7 @@ from ltcgear.generated.contract import Manifest, RigidBody
 from numpy.typing import NDArray
 
 from .library import Library
+from .tooth_deflection import count_teeth
 from .topology import HOUSING, Topology
 
 Vector = NDArray[np.float64]
@@ -29,6 +31,8 @@ class Circle:
         ``sun``, ``planet``, ``ring``, ``carrier``, ``input``, ``output`` or ``rotor``.
     unit
         Radius of the largest circle of its stage [m].
+    stage
+        Its stage, or the name of a rotor that stands alone.
     """
 
     body: str
@@ -37,6 +41,36 @@ class Circle:
     radius: float
     part: str
     unit: float
+    stage: str = ""
+
+
+@dataclass(frozen=True)
+class GearPair:
+    """A mesh between two members.
+
+    Attributes
+    ----------
+    name, stage, one, two
+        The mesh, its stage, and the bodies of gear 1 and gear 2.
+    sense
+        1 external, -1 internal.
+    back
+        Whether it stands for the flanks that are not loaded.
+    flank
+        The side on which its teeth push, 1 or -1.
+    radii, teeth
+        Base radii [m] and numbers of teeth of both gears; 0 teeth where they are not known.
+    """
+
+    name: str
+    stage: str
+    one: str
+    two: str
+    sense: int
+    back: bool
+    flank: float
+    radii: tuple[float, float]
+    teeth: tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -51,12 +85,15 @@ class Sheet:
         Names of stages and rotors with the places [m] of their middles.
     width, height
         Size [m]; the middle of the left edge is the origin.
+    meshes
+        How the members mesh.
     """
 
     discs: tuple[Circle, ...]
     titles: tuple[tuple[str, float], ...]
     width: float
     height: float
+    meshes: tuple[GearPair, ...]
 
 
 Numbers = dict[str, float]
@@ -71,7 +108,7 @@ def lay_out(library: Library, p: Vector) -> Sheet:
         Model and its parameters, shape (n_p,).
     """
     manifest = library.manifest
-    number: Numbers = dict(zip((name for name, _ in manifest.parameters), p, strict=True))
+    number: Numbers = dict(zip((name for name, _ in manifest.parameters), p.tolist(), strict=True))
     stages = {name: _circles([b for b in manifest.bodies if b.stage == name], number) for name in _order(manifest)}
     largest = max((_reach(discs) for discs in stages.values() if discs), default=1.0)
     placed: list[Circle] = []
@@ -80,12 +117,25 @@ def lay_out(library: Library, p: Vector) -> Sheet:
         discs = found or [Circle(name, 0.0, 0.0, largest / 3, "rotor", 0.0)]
         low = min(disc.x - disc.radius for disc in discs)
         high = max(disc.x + disc.radius for disc in discs)
-        placed += [replace(disc, x=left + disc.x - low, unit=_reach(discs)) for disc in discs]
+        placed += [replace(disc, x=left + disc.x - low, unit=_reach(discs), stage=name) for disc in discs]
         titles.append((name, left + (high - low) / 2))
         left += high - low + GAP * largest
     behind = {"ring": 0, "carrier": 1}
     discs = sorted(placed, key=lambda disc: behind.get(disc.part, 2))
-    return Sheet(tuple(discs), tuple(titles), left - GAP * largest, 2 * largest)
+    return Sheet(tuple(discs), tuple(titles), left - GAP * largest, 2 * largest, tuple(_pairs(manifest, number)))
+
+
+def _pairs(manifest: Manifest, number: Numbers) -> Iterator[GearPair]:
+    """Yield the meshes."""
+    stages = {body.name: body.stage for body in manifest.bodies}
+    for mesh in manifest.connections:
+        if mesh.kind == "mesh":
+            one, two = mesh.bodies
+            radii = number[mesh.radii[0]], number[mesh.radii[1]]
+            yield GearPair(
+                mesh.name, stages[one], one, two, mesh.sense, mesh.back, number[mesh.flank], radii,
+                count_teeth(mesh, number),
+            )  # fmt: skip
 
 
 def _order(manifest: Manifest) -> list[str]:
