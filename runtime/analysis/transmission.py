@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
@@ -100,8 +100,7 @@ def harmonics_of(value: FloatArray, phase: FloatArray, count: int = HARMONICS) -
 
 def _by_angles(dataset: xr.Dataset, mesh: str) -> FloatArray:
     """Return the transmission error from the gears' twists against the rigid motion [m]."""
-    sheet = json.loads(dataset.attrs.get("sheet", "{}"))
-    pair = next((pair for pair in sheet.get("meshes", ()) if pair["name"] == mesh), None)
+    pair, sheet = read_pairs(dataset).get(mesh), json.loads(dataset.attrs.get("sheet", "{}"))
     if pair is None:
         raise LtcgearError(f"{mesh}: the result does not hold the base radii; simulate again, or take the deflection")
     carried = (disc["body"] for disc in sheet["discs"] if (disc["stage"], disc["part"]) == (pair["stage"], "carrier"))
@@ -109,6 +108,11 @@ def _by_angles(dataset: xr.Dataset, mesh: str) -> FloatArray:
     turned = [_twist(dataset, pair[gear]) - carrier for gear in ("one", "two")]
     radius_1, radius_2 = pair["radii"]
     return np.asarray(pair["flank"] * (radius_1 * turned[0] + pair["sense"] * radius_2 * turned[1]), dtype=np.float64)
+
+
+def read_pairs(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what a result's sheet tells of its meshes, by name; nothing where it is of before it told."""
+    return {pair["name"]: pair for pair in json.loads(dataset.attrs.get("sheet", "{}")).get("meshes", ())}
 
 
 def _twist(dataset: xr.Dataset, member: str) -> FloatArray:

@@ -8,6 +8,7 @@ from ltcgear.generated.contract import Manifest, RigidBody
 from numpy.typing import NDArray
 
 from .library import Library
+from .parameter_values import name_values
 from .tooth_deflection import count_teeth
 from .topology import HOUSING, Topology
 
@@ -108,7 +109,7 @@ def lay_out(library: Library, p: Vector) -> Sheet:
         Model and its parameters, shape (n_p,).
     """
     manifest = library.manifest
-    number: Numbers = dict(zip((name for name, _ in manifest.parameters), p.tolist(), strict=True))
+    number = name_values(manifest, p)
     stages = {name: _circles([b for b in manifest.bodies if b.stage == name], number) for name in _order(manifest)}
     largest = max((_reach(discs) for discs in stages.values() if discs), default=1.0)
     placed: list[Circle] = []

@@ -13,6 +13,7 @@ from ltcgear.generated.contract import Connection
 from numpy.typing import NDArray
 
 from .library import Library
+from .parameter_values import name_values
 
 Vector = NDArray[np.float64]
 
@@ -50,7 +51,7 @@ class Teeth:
         reports = library.manifest.reports
         self.columns = [i for i, report in enumerate(reports) if report.quantity == "mesh_deflection"]
         self.meshes = tuple(reports[i].item for i in self.columns)
-        numbers = dict(zip((name for name, _ in library.manifest.parameters), p.tolist(), strict=True))
+        numbers = name_values(library.manifest, p)
         meshes = {item.item: item for item in library.manifest.connections if item.kind == "mesh"}
         found = [_base_pitch(numbers, meshes[mesh]) for mesh in self.meshes]
         self.pitch, self.known = np.array([pitch for pitch, _ in found]), all(known for _, known in found)
