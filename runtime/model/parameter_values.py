@@ -122,3 +122,8 @@ def _rows(name: str, given: Pairs) -> Vector:
             jump = abs(slope[i - 1]) if after else 0.0
             raise LtcgearError(f"tables: {name}: row {i + 1}: {text.format(time[i - 1], time[i], value[i], jump)}")
     return rows
+
+
+def name_values(manifest: Manifest, p: Vector) -> dict[str, float]:
+    """Return the parameters by name."""
+    return dict(zip((name for name, _ in manifest.parameters), p.tolist(), strict=True))

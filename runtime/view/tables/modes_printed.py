@@ -1,12 +1,12 @@
 """Terminal output of modes."""
 
+from collections.abc import Mapping
 from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
 
 from ...linear.naming import sum_by
-from ...model.topology import label
 from ...results.terminal import Terminal, plain, say
 
 Data = dict[str, Any]
@@ -14,8 +14,8 @@ MOST = 2
 """Members that are told of each mode."""
 
 
-def modes(data: Data) -> None:
-    """Print eigenfrequencies and what moves; planets of a stage together. JSON and CSV tell the shares of all."""
+def modes(data: Data, labels: Mapping[str, str]) -> None:
+    """Print eigenfrequencies and what moves, by label. JSON and CSV tell the shares of all members."""
     title = f"Eigenfrequencies at the loaded equilibrium, meshes {data['meshes']}"
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, show_edge=False)
     for heading in ("", "Hz", "damping"):
@@ -23,7 +23,7 @@ def modes(data: Data) -> None:
     for heading in ("class", "what it is", "kinetic energy"):
         table.add_column(heading, overflow="fold")
     for k, item in enumerate(data["modes"], start=1):
-        table.add_row(*_row(k, item))
+        table.add_row(*_row(k, item, labels))
     console = Terminal()
     console.print(table)
     if data["lowest"] and len(data["modes"]) < data["freedoms"]:
@@ -32,7 +32,7 @@ def modes(data: Data) -> None:
         say(f"wrote {file}")
 
 
-def _row(k: int, item: Data) -> tuple[str, ...]:
+def _row(k: int, item: Data, labels: Mapping[str, str]) -> tuple[str, ...]:
     """Return the cells of one mode."""
     return (
         str(k),
@@ -40,7 +40,7 @@ def _row(k: int, item: Data) -> tuple[str, ...]:
         f"{round(item['damping_ratio'], 4) + 0.0:.2%}",
         item["class"] + (f" x{item['multiplicity']}" if item["multiplicity"] > 1 else ""),
         plain(item["name"]),
-        plain(_largest(sum_by(item["members"], label))),
+        plain(_largest(sum_by(item["members"], labels))),
     )
 
 
