@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..model.vibration_scale import LOADED
+from ..model.energy_levels import LOADED
 from .statistics import group_of, stage_of
 
 if TYPE_CHECKING:

@@ -9,12 +9,12 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..model.asynchronous_machines import past_breakdown
+from ..model.energy_levels import LOADED
 from ..model.equilibrium import Equilibrium, Vector, find_equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
 from ..model.load_tables import Pairs
 from ..model.parameter_values import is_number
-from ..model.vibration_scale import LOADED
 from ..results.attributes import to_attributes
 from ..results.dataset import make_dataset
 from ..results.result import Result

@@ -12,7 +12,7 @@ class Maths:
 
 
 @dataclass(frozen=True)
-class Link:
+class CrossReference:
     """A reference to another place of the book."""
 
     text: str
@@ -27,7 +27,7 @@ class Mark:
     kind: str
 
 
-Part = str | Maths | Link | Mark
+Part = str | Maths | CrossReference | Mark
 Text = tuple[Part, ...]
 
 
