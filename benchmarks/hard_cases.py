@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ltcgear.runtime.cli.testing import open_bench
-from ltcgear.runtime.simulation.methods.segment_methods import METHODS
+from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.studies.selftest.cases import CASES
 from ltcgear.runtime.studies.selftest.suite import run_suite
 from ltcgear.runtime.view.tables.selftest_tables import draw_matrix, methods_of, reasons, row_of

@@ -12,13 +12,12 @@ from typing import Any
 from unittest.mock import patch
 
 from ltcgear.generated import store
-from ltcgear.runtime.linear.energies import family
 from ltcgear.runtime.linear.modes import Mode, find_modes
 from ltcgear.runtime.linear.naming import describe_modes, sum_by
 from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library, build
-from ltcgear.runtime.model.topology import label
+from ltcgear.runtime.model.topology import Topology
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.runtime.studies.wu2021.line_origins import forced_name, printed_lines
 from ltcgear.runtime.view.figures.shape_figures import draw_shapes
@@ -72,14 +71,15 @@ def rig() -> tuple[Scene, Linear, list[Mode]]:
     return scene, linear, describe_modes(linear, find_modes(linear))
 
 
-def list_table(modes: list[Mode]) -> str:
+def list_table(modes: list[Mode], topology: Topology) -> str:
     """Return the rig's modes in Markdown."""
+    told = {name: topology.links[group].told for name, group in topology.groups.items()}
     text = (
         "| mode | Hz | damping | class | what it is | kinetic energy | strain energy |\n|---|---|---|---|---|---|---|\n"
     )
     for k, mode in enumerate(modes, start=1):
-        kinetic = _largest(sum_by(mode.members, label))
-        strain = _largest(sum_by(mode.strain, lambda name: family(name).removeprefix("couplings.")))
+        kinetic = _largest(sum_by(mode.members, topology.labels))
+        strain = _largest(sum_by(mode.strain, told))
         alike = f" x{mode.multiplicity}" if mode.multiplicity > 1 else ""
         text += (
             f"| {k} | {mode.frequency_hz:.2f} | {mode.damping_ratio:.2%} | {mode.kind}{alike} | {mode.name} | "
@@ -179,8 +179,8 @@ def main() -> None:
     data = measure()
     DATA.write_text(json.dumps(data, indent=1) + "\n", "utf-8")
     put(PAGE, {
-        "list": list_table(modes), "lines": line_table(scene, modes), "explained": explained(scene),
-        "times": time_table(data),
+        "list": list_table(modes, Topology(linear.library.manifest)), "lines": line_table(scene, modes),
+        "explained": explained(scene), "times": time_table(data),
     })  # fmt: skip
     print(PAGE.read_text("utf-8"))
 

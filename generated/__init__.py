@@ -1,1 +1,1 @@
-"""The contract between the symbolic and the running side, and the C that was emitted."""
+"""Contract between the symbolic side and the runtime, the store, and committed C."""

@@ -1,4 +1,4 @@
-"""The C compiler: which it is, its flags, and a run of it that cannot last for ever."""
+"""C compiler: which one, its flags, and runs of it with a time limit."""
 
 import contextlib
 import errno

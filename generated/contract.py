@@ -1,4 +1,4 @@
-"""What symbolic and running side agree on: function names, argument order, shapes, names of everything.
+"""Contract of the generated C: functions, order of arguments, shapes, names.
 
 Every generated model has these functions, with x the states, s the mesh levels and after them the load
 signals, p the parameters. Signals are values of the scene's tables over time, which change linearly
@@ -25,38 +25,68 @@ function      arguments    results
 """
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
-FORMAT = 4
+FORMAT = 5
 HELD = 1e30
 """A force [N] or length [m] beyond all others, with which a regime is held."""
 MOST_SAMPLES = 1e8
 """The most that a result may hold for each of its quantities, however many a scene or a run asks for."""
 BACK = ".back"
 """What a mesh's name gets for the flank that is not loaded."""
+PULL = "contact.pull"
+"""The parameter by which one-sided teeth may pull; 0 in every run."""
+VARYING = "phase.varying"
+"""The parameter that lets stiffness and errors vary with the mesh phase; 1 in every run, 0 for their means."""
+CLOSING = "bearing.closing"
+"""The parameter that is the part of bearings' clearance that is taken away; 0 in every run."""
 FUNCTIONS = ("rhs", "jac_rhs", "outputs", "phases", "borders", "energy", "motion")
+PHYSICAL, GEOMETRY, COUNT, REGIME, HOMOTOPY, CONSTANT = ROLES = (
+    "physical", "geometry", "count", "regime", "homotopy", "constant",
+)  # fmt: skip
+"""Roles of parameters: a size of the gearbox or its loads; a radius, place, angle or phase; what follows from whole
+numbers of teeth and from sides; what holds a regime; what leads a solver to the equilibrium; no number of a gearbox."""
 
 
 @dataclass(frozen=True)
 class State:
-    """One state: name, SI unit, its body and axis, and the parameter that is its inertia."""
+    """One state.
+
+    Attributes
+    ----------
+    name, unit
+        Its name, and its SI unit.
+    body, axis
+        Whose motion it is, and along what: ``x``, ``y``, ``u`` (a deviation of angle) or ``theta`` (a whole angle).
+    inertia
+        The parameter that is its inertia, ``""`` where it has none.
+    kind
+        ``reference angle``, ``deviation``, ``reference speed`` or ``rate`` (of the deviation of that body and axis).
+    """
 
     name: str
     unit: str
     body: str
     axis: str
     inertia: str
+    kind: str
+
+    @property
+    def turns(self) -> bool:
+        """Tell a rotation from a translation."""
+        return self.axis in ("u", "theta")
 
 
 @dataclass(frozen=True)
 class Report:
-    """One output: quantity, the item it belongs to, SI unit, and the dimension its kind of item shares."""
+    """One output: quantity, the item it belongs to, SI unit, the dimension its kind of item shares, ``x`` or ``y``."""
 
     quantity: str
     item: str
     unit: str
     dimension: str
+    axis: str = ""
 
 
 @dataclass(frozen=True)
@@ -97,6 +127,83 @@ class Clock:
 
 
 @dataclass(frozen=True)
+class RigidBody:
+    """One member of the train; what it is known by are names of parameters, ``""`` where the model needs none.
+
+    Attributes
+    ----------
+    name
+        Its name.
+    stage, part
+        The stage, ``""`` of a rotor, and what it is there: ``sun``, ``planet``, ``ring``, ``carrier``, ``input`` or
+        ``output``; or ``rotor``.
+    frame
+        The carrier with which the axes of its deviations turn, ``""`` where they stand still.
+    place
+        Its nominal place in that frame, x and y; empty at the origin, and where nothing depends on it.
+    ratio
+        Its speed over the reference speed; ``""`` where it stands still.
+    mass, inertia
+        Both count what is rigidly joined to it.
+    base_radius, teeth
+        Of a gear. Of the teeth only those of gear 1 of a mesh are a parameter, negative where its phase counts so.
+    """
+
+    name: str
+    stage: str
+    part: str
+    frame: str
+    place: tuple[str, ...]
+    ratio: str
+    mass: str
+    inertia: str
+    base_radius: str = ""
+    teeth: str = ""
+
+
+@dataclass(frozen=True)
+class Connection:
+    """One element that joins bodies to each other or to the housing, or loads one.
+
+    Attributes
+    ----------
+    name, group
+        Its name, and the one that it shares with its equals: ``lsp.pin`` of ``lsp.pin.2``.
+    kind
+        ``mesh``, ``pin``, ``bearing``, ``coupling``, ``support`` (torsional) or ``load``.
+    item
+        The item of its outputs.
+    bodies
+        What it joins; one body alone is joined to the housing, or loaded.
+    stiffness, damping
+        Parameters: one stiffness, or two between which a mesh level chooses, or none where it is none of these; and
+        the damper, ``""`` without one.
+    hold
+        The parameter that holds its contact, ``""`` where it has but one regime.
+    sense
+        Of a mesh: 1 external, -1 internal; 0 of what is no mesh.
+    back
+        Whether it is the flank of a mesh that is not loaded.
+    flank, radii, teeth
+        Parameters of a mesh: which side is loaded, base radii of gear 1 and 2, teeth of gear 1 (``""``: not known).
+    """
+
+    name: str
+    group: str
+    kind: str
+    item: str
+    bodies: tuple[str, ...]
+    stiffness: tuple[str, ...] = ()
+    damping: str = ""
+    hold: str = ""
+    sense: int = 0
+    back: bool = False
+    flank: str = ""
+    radii: tuple[str, ...] = ()
+    teeth: str = ""
+
+
+@dataclass(frozen=True)
 class Signature:
     """Shapes of a function's arguments and results, non-zeros of the first result, operations."""
 
@@ -128,6 +235,10 @@ class Manifest:
         Parameters that hold a regime, in the order of g.
     clocks
         What follows the reference angle without end.
+    bodies, connections
+        The train.
+    roles
+        Of the parameters, by name.
     """
 
     key: str
@@ -141,6 +252,9 @@ class Manifest:
     signals: tuple[Signal, ...] = ()
     holds: tuple[str, ...] = ()
     clocks: tuple[Clock, ...] = ()
+    bodies: tuple[RigidBody, ...] = ()
+    connections: tuple[Connection, ...] = ()
+    roles: dict[str, str] = field(default_factory=dict)
     format: int = FORMAT
 
     def to_json(self) -> str:
@@ -178,8 +292,16 @@ class Manifest:
             tuple((name, unit) for name, unit in raw["parameters"]), tuple(Report(**item) for item in raw["reports"]),
             functions, raw["casadi"], tuple(Signal(**item) for item in raw["signals"]),
             tuple(raw["holds"]),
-            tuple(Clock(**item | {"periods": tuple(item["periods"])}) for item in raw["clocks"]),
+            tuple(Clock(**_tuples(item)) for item in raw["clocks"]),
+            tuple(RigidBody(**_tuples(item)) for item in raw["bodies"]),
+            tuple(Connection(**_tuples(item)) for item in raw["connections"]),
+            raw["roles"],
         )  # fmt: skip
+
+
+def _tuples(item: dict[str, Any]) -> dict[str, Any]:
+    """Return an entry with tuples where JSON has lists."""
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in item.items()}
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Drafts: folders of the store in which something is made before it takes its place, swept up after a kill."""
+"""Temporary folders of the store: locked while in use, removed after a crash."""
 
 import contextlib
 import fcntl

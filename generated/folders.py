@@ -1,4 +1,4 @@
-"""Folders of the user's: files that are each written whole, and what was written, so that no edited one is replaced."""
+"""Output folders: files written whole; files that a user has edited are not replaced."""
 
 import hashlib
 from pathlib import Path

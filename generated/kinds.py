@@ -1,4 +1,4 @@
-"""Kinds of files: what a file holds, by its first bytes, so that none is replaced by another kind."""
+"""File types by their first bytes, so that no file is replaced by one of another type."""
 
 import csv
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Lock: one program at a time writes an output over time; a lock ends with the program, however that ends."""
+"""Lock of an output: one program at a time writes it; the lock ends with the program."""
 
 import errno
 from pathlib import Path

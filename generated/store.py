@@ -1,4 +1,4 @@
-"""The store: generated models and compiled libraries by content key, private to the user, put atomically."""
+"""Store of generated models and compiled libraries by content key, private to the user."""
 
 import contextlib
 import fcntl

@@ -1,4 +1,4 @@
-"""Text of others (scenes, result files, compilers) as it may stand in a terminal or in a message."""
+"""Foreign text (scenes, result files, compilers) made safe for terminals and messages."""
 
 LONGEST = 600
 """Characters of a text in a message; of a longer one the beginning and the end are shown."""

@@ -1,4 +1,4 @@
-"""Output files: the one rule of what may be written where, and files that appear whole or not at all.
+"""Output files: what may be overwritten, and files that are written whole or not at all.
 
 An output never goes over a file that is read, nor over another kind of file, unless that is asked for (``--force``).
 It is written to a draft beside it, made exclusively under a name that nobody can guess, which takes its place once it

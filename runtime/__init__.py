@@ -1,4 +1,4 @@
-"""Compiled models at work: equilibrium, integration, linearisation, results."""
+"""Runtime: compiled models at work, from the equilibrium to results and reports."""
 
 from importlib import import_module
 from typing import Any

@@ -1,4 +1,4 @@
-"""Scenes to equations to C text (SymPy; CasADi only where expressions are lowered).
+"""Symbolic side: scenes become equations of motion (SymPy), and these C text (CasADi).
 
 Public names load their modules on first use, so that reading a scene needs neither SymPy nor CasADi.
 """

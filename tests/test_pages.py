@@ -11,7 +11,7 @@ from ltcgear.generated import store
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.simulation.methods.segment_methods import METHODS
+from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.studies.accuracy.record import digest_numbers, read_record
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain

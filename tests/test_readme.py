@@ -21,22 +21,14 @@ def _load():
 
 PAGES = _load()
 COSTLY = {
-    "ltcgear selftest --case jumps": "a case by every method; tests/runtime/test_hard_methods.py has them all",
-    "ltcgear cost lsp -o cost.png": "every pair of effects; tests/test_cli.py has few of them",
-    "ltcgear export-fmu rig-2mw -o rig.fmu": "compiles the rig once more; tests/runtime/test_fmu.py has stages",
-    "ltcgear accuracy lsp -o accuracy": "every method at many tolerances; tests/test_cli_accuracy.py has it small",
-    "ltcgear simulate lsp --accuracy 0.1%": "measures first; tests/test_cli_accuracy.py has it small",
-    "ltcgear simulate rig-2mw --set effects.mesh_law=paper --method cvodes --verify": "three runs of the rig by CVODES",
-    "ltcgear book rig-2mw -o rig.html --json": "typesets 5000 operations; tests/test_book_pages.py reads it",
-    "ltcgear export-fmu rig-2mw -o rig-me.fmu --kind model-exchange": "compiles the rig once more",
     "ltcgear simulate rig-2mw --t-end 2 --verify -o rig.nc": "three runs; the page of analysis has one",
     "ltcgear report rig.nc -o rig.html": "needs that run",
     "ltcgear report rig.nc -o rig.html --at 0.05": "likewise",
-    "ltcgear campbell rig-2mw --speed 10:20:41 --harmonics 5 --sidebands -o campbell.png": "41 speeds of the rig",
     "ltcgear stability lsp --speed 100:700:60 --variation 0:3:40 -o chart.png": "2400 points",
 }  # fmt: skip
 """Commands that only `make torture` runs, and why."""
 LEFT = {
+    "docs/tour.md": "all commands at once; tests have each of them, smaller",
     "docs/fmu.md": "compiles FMUs; tests/runtime/test_fmu.py does so with others",
     "docs/analysis.md": "the rig, analysed; tests/runtime/test_analyse.py analyses stages",
     "docs/book.md": "books; tests/test_book_pages.py reads one",

@@ -1,4 +1,4 @@
-"""What a simulation shows: spectra, orders, loads and orbits, each a function of outputs over time to a plain value."""
+"""Analysis of a result: spectra, orders, loads and orbits, as functions of outputs over time."""
 
 from importlib import import_module
 from typing import Any

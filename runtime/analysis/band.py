@@ -1,4 +1,4 @@
-"""Band: how far up in frequency a result is true."""
+"""Bandwidth of a result: up to which frequency its signals are true."""
 
 from __future__ import annotations
 

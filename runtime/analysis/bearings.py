@@ -1,4 +1,4 @@
-"""Bearings: how hard bearings and pins are loaded."""
+"""Bearing loads: forces of bearings and pins over a span."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cycles: rainflow counts of an output, for fatigue."""
+"""Rainflow cycles of an output, for fatigue."""
 
 from __future__ import annotations
 

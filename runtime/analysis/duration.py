@@ -1,4 +1,4 @@
-"""Duration: how long, and over how many tooth meshes or turns, each load acts (load-duration distribution)."""
+"""Load-duration distribution: how long, and over how many mesh cycles or revolutions, each load acts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Envelope: how the vibration in a band swells and fades, and the sidebands by which a spectrum shows it."""
+"""Envelope of the vibration in a band, and its sidebands in the spectrum."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines: the strongest peaks of a spectrum, each named by meshes, carriers, shafts and modes that explain it."""
+"""Spectral lines: the strongest peaks, named by the meshes, carriers, shafts and modes that explain them."""
 
 from __future__ import annotations
 

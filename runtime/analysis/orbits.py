@@ -1,4 +1,4 @@
-"""Orbits: where members go sideways."""
+"""Orbits of members: lateral motion, clearance and static position."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Orders: the spectrum of an output over the turns of a shaft, so that lines stay sharp while the speed varies."""
+"""Order spectrum: an output over the revolutions of a shaft, sharp also while the speed varies."""
 
 from __future__ import annotations
 

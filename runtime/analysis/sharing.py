@@ -1,4 +1,4 @@
-"""Sharing: how the planets of a stage share its load."""
+"""Load sharing of the planets of a stage."""
 
 from __future__ import annotations
 

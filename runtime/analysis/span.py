@@ -1,4 +1,4 @@
-"""Span: the part of a record that is analysed."""
+"""Time span of a result that is analysed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Spectrum: amplitudes and power densities of an output, with the window and resolution they were taken with."""
+"""Amplitude spectrum and power spectral density of an output, with their window and resolution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Survey: all that ``ltcgear analyse`` tells about a span of a result, found in one go."""
+"""Survey of a result: all that ``ltcgear analyse`` tells about a span."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..results.rounding import round_statistics, without_rounding
-from ..results.statistics import group_of, stage_of, statistics
+from ..results.statistics import stage_of, statistics
 from .bearings import BearingLoad, list_bearing_loads
 from .cycles import Cycles, count_cycles
 from .duration import LoadDuration, find_load_duration
@@ -22,7 +22,7 @@ from .sharing import LoadShare, find_leads, find_load_share, list_groups
 from .span import CHANGING, cut, speed_change
 from .spectrum import Spectrum, find_density, find_spectrum
 from .trace import front, list_items, phase_of, pick, select_output
-from .transmission import TransmissionError, find_transmission_error, parameter
+from .transmission import TransmissionError, find_transmission_error, read_pairs
 from .waterfall import Waterfall, find_waterfall, mesh_courses
 
 if TYPE_CHECKING:
@@ -218,10 +218,10 @@ def _share(part: xr.Dataset, group: str, notes: list[str]) -> LoadShare | None:
 
 
 def _errors(part: xr.Dataset, leads: Sequence[str]) -> list[TransmissionError]:
-    """Return the transmission errors of some meshes, by angles too where the result holds the radii."""
+    """Return the transmission errors of some meshes, by angles too where the result tells the gears."""
     known = [mesh for mesh in leads if mesh in list_items(part, "mesh_deflection")]
     found = [find_transmission_error(part, mesh) for mesh in known]
-    held = [front(mesh) for mesh in known if parameter(part, f"{group_of(front(mesh))}.base_radius_1") is not None]
+    held = [front(mesh) for mesh in known if front(mesh) in read_pairs(part)]
     return found + [find_transmission_error(part, mesh, "angles") for mesh in held]
 
 

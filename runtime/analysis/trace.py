@@ -1,4 +1,4 @@
-"""Trace: one output of a simulation over time, ready to be analysed, and how it is found by name."""
+"""Time signal of one output, and how it is found by name."""
 
 from __future__ import annotations
 

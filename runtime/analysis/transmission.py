@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..results.amplitude_spectrum import window_samples
-from ..results.statistics import group_of, stage_of
 from .order_spectrum import TURN
 from .trace import FloatArray, list_items, phase_of, pick, read_trace
 
 if TYPE_CHECKING:
     import xarray as xr
 
-GEARS = {
-    "sun_planet": ("sun", "planet", 1.0),
-    "ring_planet": ("ring", "planet", -1.0),
-    "mesh": ("input", "output", 1.0),
-}
-"""Kind of mesh -> gear 1, gear 2, and +1 for external or -1 for internal teeth."""
 HARMONICS = 6
 DEFINITIONS = {
     "deflection": "deflection of the teeth along the line of action",
@@ -106,20 +100,19 @@ def harmonics_of(value: FloatArray, phase: FloatArray, count: int = HARMONICS) -
 
 def _by_angles(dataset: xr.Dataset, mesh: str) -> FloatArray:
     """Return the transmission error from the gears' twists against the rigid motion [m]."""
-    kind = group_of(mesh).rpartition(".")[2]
-    if kind not in GEARS or "parameter_value" not in dataset:
+    pair, sheet = read_pairs(dataset).get(mesh), json.loads(dataset.attrs.get("sheet", "{}"))
+    if pair is None:
         raise LtcgearError(f"{mesh}: the result does not hold the base radii; simulate again, or take the deflection")
-    one, two, sigma = GEARS[kind]
-    stage, planet = stage_of(mesh), mesh.rpartition(".")[2]
-    second = f"{stage}.planet.{planet}" if two == "planet" else f"{stage}.{two}"
-    radius_1, radius_2, side = (
-        parameter(dataset, f"{group_of(mesh)}.{key}") for key in ("base_radius_1", "base_radius_2", "flank")
-    )
-    if radius_1 is None or radius_2 is None or side is None:
-        raise LtcgearError(f"{mesh}: the result does not hold its base radii; take the deflection")
-    carrier = _twist(dataset, f"{stage}.carrier") if two == "planet" else np.zeros(dataset.sizes["time"])
-    turned = [_twist(dataset, gear) - carrier for gear in (f"{stage}.{one}", second)]
-    return np.asarray(side * (radius_1 * turned[0] + sigma * radius_2 * turned[1]), dtype=np.float64)
+    carried = (disc["body"] for disc in sheet["discs"] if (disc["stage"], disc["part"]) == (pair["stage"], "carrier"))
+    carrier = _twist(dataset, next(carried, ""))
+    turned = [_twist(dataset, pair[gear]) - carrier for gear in ("one", "two")]
+    radius_1, radius_2 = pair["radii"]
+    return np.asarray(pair["flank"] * (radius_1 * turned[0] + pair["sense"] * radius_2 * turned[1]), dtype=np.float64)
+
+
+def read_pairs(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
+    """Return what a result's sheet tells of its meshes, by name; nothing where it is of before it told."""
+    return {pair["name"]: pair for pair in json.loads(dataset.attrs.get("sheet", "{}")).get("meshes", ())}
 
 
 def _twist(dataset: xr.Dataset, member: str) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Waterfall: spectra of an output one after another, over time or over the speed of a shaft."""
+"""Waterfall: spectra of an output in sequence, over time or over the speed of a shaft."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command that tells what a result shows: analyse."""
+"""Command analyse: what a result shows."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any

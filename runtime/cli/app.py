@@ -1,4 +1,4 @@
-"""The app: its common options, and how errors become one message and an exit code."""
+"""Command line application: common options, and errors as one message and an exit code."""
 
 import io
 import sys

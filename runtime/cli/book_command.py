@@ -1,4 +1,4 @@
-"""The equation book of a scene: book."""
+"""Command book: the equation book of a scene."""
 
 import typer
 

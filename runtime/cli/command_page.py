@@ -1,4 +1,4 @@
-"""The page docs/commands.md, written from the command line itself."""
+"""Page docs/commands.md, written from the command line itself."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -44,7 +44,7 @@ FLAG_TEXT = {True: "on", False: "off"}
 
 def write_commands() -> str:
     """Return the page as Markdown."""
-    from .app import app
+    from .commands import app
 
     commands: dict[str, Any] = dict(sorted(get_command(app).commands.items()))  # type: ignore[attr-defined]
     rows = [f"| [{name}](#{name}) | {_cell(_summary(command))} |\n" for name, command in commands.items()]

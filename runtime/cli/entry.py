@@ -1,4 +1,4 @@
-"""Entry: what `ltcgear` runs first, before anything that takes time is imported."""
+"""Entry point of ``ltcgear``, which runs before anything that takes time is imported."""
 
 import os
 import resource

@@ -1,4 +1,4 @@
-"""Command that writes a scene for other simulation programs: export-fmu."""
+"""Command export-fmu: a scene for other simulation programs."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""The command that tells what to change: sensitivity."""
+"""Command sensitivity: what to change to move a frequency or an output."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Commands of small motions about the loaded equilibrium: modes."""
+"""Command modes: small motions about the loaded equilibrium."""
 
 from math import isfinite
 from pathlib import Path
@@ -45,6 +45,7 @@ def modes(
     """List eigenfrequencies, damping and mode shapes at the loaded equilibrium; with -o, write or draw them."""
     from ..linear.modes import find_modes
     from ..linear.naming import describe_modes
+    from ..model.topology import Topology
     from ..view.tables.mode_rows import list_modes
     from ..view.tables.modes_printed import modes as for_people
 
@@ -62,7 +63,8 @@ def modes(
     }  # fmt: skip
     if output is not None:
         data["files"] = [str(_write(linear, found, mode, data | {"title": opened.scene.title}, output))]
-    printed.show(as_json, data, for_people)
+    labels = Topology(linear.library.manifest).labels
+    printed.show(as_json, data, lambda data: for_people(data, labels))
 
 
 def open_linear(opened: Opened, turn: float | None = None) -> "Linear":

@@ -1,4 +1,4 @@
-"""Machine: faults of memory, disk and folders that come as whatever error the libraries raise."""
+"""Faults of memory, disk and folders, which libraries raise as whatever error they have."""
 
 import errno
 import tempfile

@@ -1,4 +1,4 @@
-"""The command that measures what accuracy costs, and the choice of settings by what it found: accuracy."""
+"""Command accuracy: what accuracy costs in time, and the choice of settings by it."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -43,7 +43,7 @@ def accuracy(
     force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Measure which accuracy every method gives for its time. Exit code 3 where there is no reference to judge by."""
-    from ..simulation.methods.segment_methods import METHODS, check_method
+    from ..simulation.methods.registry import METHODS, find_method
     from ..simulation.simulate import check_options
     from ..studies.accuracy.phases import measure_phases
     from ..studies.accuracy.presets import check_preset
@@ -54,7 +54,7 @@ def accuracy(
     check_preset(preset)
     methods = choose(method, list(METHODS), "method") if method else None
     for name in methods or []:
-        check_method(name)
+        find_method(name)
     for tolerance in rtol or [1e-6]:
         check_options("erk", tolerance, t_end)
     if output is not None:

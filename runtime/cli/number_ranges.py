@@ -1,4 +1,4 @@
-"""Ranges on the command line: FIRST:LAST:NUMBER."""
+"""Number ranges of options: FIRST:LAST:NUMBER."""
 
 from math import isfinite
 

@@ -1,4 +1,4 @@
-"""Scenes on their way through the house: scene -> model -> C -> library."""
+"""Opening of scenes for the commands: scene -> model -> C -> compiled library."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,10 +1,12 @@
-"""Options and arguments that the commands share: names, help and bounds."""
+"""Options and arguments that commands share: names, help and bounds."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from ltcgear.generated import writing
+
+from ..simulation.methods.registry import AUTO, METHODS
 
 SHORTEST_PAPER = 0.2  # [s]: half of it must hold some turns of the slowest mesh for tables and spectra
 
@@ -40,7 +42,8 @@ EndTime = Annotated[
     float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")
 ]
 PaperEnd = Annotated[float, typer.Option("--t-end", help=f"Time to simulate [s], {SHORTEST_PAPER} at least.")]
-Method = Annotated[str, typer.Option("--method", help="auto, erk, rosenbrock, cvodes, adams, idas or sundae.")]
+*_FIRST, _LAST = (AUTO, *METHODS)
+Method = Annotated[str, typer.Option("--method", help=f"{', '.join(_FIRST)} or {_LAST}.")]
 Raw = Annotated[
     bool,
     typer.Option("--raw", help="Keep outputs of the instant, not band-limited: jumps then show as false lines."),

@@ -1,4 +1,4 @@
-"""A progress bar with simulated time, speed and time left; only on a terminal."""
+"""Progress bar with simulated time, speed and time left; only on a terminal."""
 
 import sys
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Command that writes a result as a page: report."""
+"""Command report: a result as a page."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

@@ -1,4 +1,4 @@
-"""The command that reproduces the paper: paper."""
+"""Command paper: the paper reproduced on one page."""
 
 from collections.abc import Mapping
 from pathlib import Path

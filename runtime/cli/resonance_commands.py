@@ -1,4 +1,4 @@
-"""Commands of resonance: campbell, response."""
+"""Commands campbell and response: resonance."""
 
 import json
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Commands on result files: export."""
+"""Command export: result files for other programs."""
 
 from typing import Any
 

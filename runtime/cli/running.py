@@ -1,4 +1,4 @@
-"""Commands that simulate: simulate, cost."""
+"""Commands simulate and cost."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""The command that tells whether small motions grow: stability."""
+"""Command stability: whether small motions grow under varying mesh stiffness."""
 
 from pathlib import Path
 from typing import Annotated

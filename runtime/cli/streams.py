@@ -1,4 +1,4 @@
-"""Streams: standard output and error of which one may be full, closed or unable to show a character."""
+"""Standard output and error, which may be full, closed or unable to show a character."""
 
 import contextlib
 import errno

@@ -1,4 +1,4 @@
-"""Command that simulates a scene at many points: sweep."""
+"""Command sweep: a scene simulated at many points."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager

@@ -1,4 +1,4 @@
-"""The command that tests the integrators: selftest."""
+"""Command selftest: the hard cases by every integrator."""
 
 import os
 from collections.abc import Mapping
@@ -61,7 +61,7 @@ def selftest(
     force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Run the hard cases with every method. Exit code 1 if anything is wrong. With -o, draw the matrix."""
-    from ..simulation.methods.segment_methods import METHODS
+    from ..simulation.methods.registry import METHODS
     from ..studies.selftest.cases import CASES
     from ..studies.selftest.suite import run_suite
     from ..view.figures.cost_figures import check_figure

@@ -1,4 +1,4 @@
-"""Balance: how the loaded equilibrium moves with the parameters, by the adjoint of its balance of forces."""
+"""Sensitivity of the loaded equilibrium to the parameters, by the adjoint of its force balance."""
 
 from functools import cached_property
 

@@ -1,4 +1,4 @@
-"""Campbell: eigenfrequencies over speed or load, every point with its own equilibrium, modes followed along."""
+"""Campbell diagram: eigenfrequencies over speed or load, each point with its own equilibrium."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

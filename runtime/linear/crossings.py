@@ -1,4 +1,4 @@
-"""Crossings: where an order of excitation meets an eigenfrequency, how far off that is, and how hard it excites."""
+"""Resonance crossings: where an excitation order meets an eigenfrequency, and how strongly it excites."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Excitation: the harmonics with which each mesh's own stiffness and errors drive small motions."""
+"""Parametric excitation: harmonics with which a mesh's stiffness and errors drive small motions."""
 
 import numpy as np
 from numpy.typing import NDArray

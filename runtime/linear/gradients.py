@@ -1,4 +1,4 @@
-"""Gradients of w' f and of w' (df/dx) v, f the right-hand side: what derivatives of equilibria and eigenvalues need."""
+"""Derivatives for sensitivities: gradients of w' f and of w' (df/dx) v."""
 
 from functools import cached_property
 

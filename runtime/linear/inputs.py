@@ -1,13 +1,15 @@
-"""Inputs: what drives small motions, errors of teeth and ripple of torques, zdot = A z + b(omega) u."""
+"""Inputs of the linear model: transmission errors and torque ripple, zdot = A z + b(omega) u."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
 import numpy as np
+from ltcgear.generated.contract import BACK
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
+from ..model.function import Kernel
 from .system import Linear
 
 Vector = NDArray[np.float64]
@@ -25,7 +27,7 @@ class MeshPath:
     mesh
         Its name.
     stiffness, damping
-        k [N/m] and c [N s/m] of N = k delta + c d(delta)/dt.
+        k [N/m] and c [N s/m] of N = k delta + c d(delta)/dt, zero where the teeth are apart.
     force, deflection
         Rows of N and of delta, shape (n,): what a unit of each kept state makes of them.
     push
@@ -60,19 +62,44 @@ def find_paths(linear: Linear) -> dict[str, MeshPath]:
     has what follows from the normal force at a right angle to it, which the work does not see.
     """
     forces, deflections = linear.outputs("mesh_force"), linear.outputs("mesh_deflection")
-    size = linear.scale[linear.kept[linear.positions]]
-    levels = _pushes_of_levels(linear, forces)
+    levels, springs = _pushes_of_levels(linear, forces), _read_springs(linear)
     paths = {}
     for mesh, force in forces.items():
         along = deflections[mesh][linear.positions]
-        part = along * size**2 / max(float((along * size) @ (along * size)), 1e-300)
-        stiffness, damping = float(force[linear.positions] @ part), float(force[linear.rates] @ part)
         push = levels.get(mesh)
         if push is None:
             push = np.zeros(len(linear.kept))
             push[linear.rates] = -np.linalg.solve(linear.mass, along)
+        stiffness, damping = springs.get(mesh) or project_spring(linear, along, force)
         paths[mesh] = MeshPath(mesh, stiffness, damping, force, deflections[mesh], push)
     return paths
+
+
+def _read_springs(linear: Linear) -> dict[str, tuple[float, float]]:
+    """Return k and c by mesh, of those whose stiffness is a parameter, or two and a level; none of apart teeth."""
+    manifest, number = linear.library.manifest, linear.number
+    values = Kernel(linear.library.functions["outputs"])(linear.at.x, linear.at.s, linear.p)[0].tolist()
+    reports = zip(manifest.reports, values, strict=True)
+    touching = {report.item: value for report, value in reports if report.quantity == "mesh_contact"}
+    level = dict(zip(manifest.levels, linear.at.levels.tolist(), strict=True))
+    found = {}
+    for mesh in manifest.connections:
+        if mesh.kind == "mesh" and mesh.stiffness:
+            low, high = number[mesh.stiffness[0]], number[mesh.stiffness[-1]]
+            k = low + (high - low) * level.get(mesh.item.removesuffix(BACK), 0.0)
+            acts = touching.get(mesh.item, 1.0)
+            found[mesh.item] = acts * k, acts * number.get(mesh.damping, 0.0)
+    return found
+
+
+def project_spring(linear: Linear, along: Vector, force: Vector) -> tuple[float, float]:
+    """Return k and c of a mesh whose stiffness varies with its phase and is no parameter: from the force's derivatives.
+
+    They are projected on those of the deflection, every freedom in units of its vibration.
+    """
+    size = linear.scale[linear.kept[linear.positions]]
+    part = along * size**2 / max(float((along * size) @ (along * size)), 1e-300)
+    return float(force[linear.positions] @ part), float(force[linear.rates] @ part)
 
 
 def _pushes_of_levels(linear: Linear, forces: Iterable[str]) -> dict[str, Vector]:

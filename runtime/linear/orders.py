@@ -1,4 +1,4 @@
-"""Orders: how often, in one turn of the reference, meshes excite, and what modulates them."""
+"""Excitation orders: mesh harmonics and sidebands per revolution of the reference."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Resonance: what the Campbell diagram and the frequency response tell, as plain data for JSON, tables and figures."""
+"""Resonance data of the Campbell diagram and the frequency response, for JSON, tables and figures."""
 
 from collections.abc import Sequence
 from dataclasses import asdict

@@ -1,4 +1,4 @@
-"""Frequency response: forces that a sinusoidal error of a mesh, or a ripple of a torque, makes by the linear model.
+"""Frequency response of mesh forces to a sinusoidal transmission error or torque ripple.
 
 With zdot = A z + b(omega) u and y = C z + d(omega) u, the response is H = C (i omega - A)^-1 b + d. Of a mesh's
 transmission error e the normal force beside the model's is -(k + i omega c) e, of a torque its ripple.

@@ -1,4 +1,4 @@
-"""Sensitivity: derivatives of eigenvalues with respect to all parameters, repeated ones included."""
+"""Sensitivity of eigenvalues to all parameters, repeated eigenvalues included."""
 
 from dataclasses import dataclass
 

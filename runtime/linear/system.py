@@ -5,7 +5,7 @@ from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
-from ltcgear.generated.contract import State
+from ltcgear.generated.contract import RigidBody, State
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
@@ -13,6 +13,7 @@ from ..model.contact_levels import Phases, cells_of, levels_of
 from ..model.equilibrium import Equilibrium, settled
 from ..model.function import Kernel
 from ..model.library import Library
+from ..model.parameter_values import name_values
 from ..model.phase_wrapping import TURN
 from ..model.vibration_scale import vibration_scale
 
@@ -74,6 +75,11 @@ class Linear:
     def names(self) -> list[str]:
         """Return the names of the kept states."""
         return [self.library.manifest.states[i].name for i in self.kept]
+
+    @cached_property
+    def number(self) -> dict[str, float]:
+        """Return the parameters by name."""
+        return name_values(self.library.manifest, self.p)
 
     @cached_property
     def positions(self) -> Indices:
@@ -186,26 +192,31 @@ def _motions(library: Library, at: Equilibrium, p: Vector) -> Motions:
     """Describe the absolute motions: where no speed is held, the reference angle carries everything along."""
     everything = library.manifest.states
     names = [state.name for state in everything]
-    number = {name: float(value) for (name, _), value in zip(library.manifest.parameters, p, strict=True)}
+    number = name_values(library.manifest, p)
     position = library.index("")
     states = [everything[i] for i in position]
     if library.manifest.reference == "torque":
-        states.append(everything[names.index("reference.speed")])
+        states += [state for state in everything if state.kind == "reference speed"]
     matrix = np.zeros((len(states), len(names)))
     matrix[np.arange(len(position)), position] = 1.0
     if library.manifest.reference == "torque":
-        place = dict(zip(names, at.x, strict=True))
-        matrix[:, names.index("reference.angle")] = [_carried(state, number, place) for state in states]
+        place = {(state.body, state.axis): float(at.x[i]) for i, state in zip(position, states, strict=False)}
+        bodies = {body.name: body for body in library.manifest.bodies}
+        matrix[:, names.index("reference.angle")] = [_carried(state, bodies, number, place) for state in states]
     return Motions(states, np.array([number[state.inertia] for state in states]), matrix)
 
 
-def _carried(state: State, number: dict[str, float], place: dict[str, float]) -> float:
+def _carried(
+    state: State, bodies: dict[str, RigidBody], number: dict[str, float], place: dict[tuple[str, str], float]
+) -> float:
     """Return how far a unit of reference angle carries a body along an axis, in the axes of its frame.
 
     Angles follow by the speed ratio; a planet is carried round by its frame, which turns with its carrier.
     """
-    if state.axis not in ("x", "y"):
-        return number.get(f"{state.inertia.removesuffix('.inertia')}.speed_ratio", 0.0)
-    turn = number.get(f"{state.body.split('.')[0]}.carrier.speed_ratio", 0.0)
+    body = bodies[state.body]
+    if state.turns:
+        return number.get(body.ratio, 0.0)
+    turn = number.get(bodies[body.frame].ratio, 0.0) if body.frame else 0.0
     other, sign = ("y", -1.0) if state.axis == "x" else ("x", 1.0)
-    return sign * turn * (number.get(f"{state.body}.{other}_0", 0.0) + place[f"{state.body}.{other}"])
+    nominal = number[body.place["xy".index(other)]] if body.place else 0.0
+    return sign * turn * (nominal + place[state.body, other])

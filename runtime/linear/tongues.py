@@ -1,4 +1,4 @@
-"""Tongues: where the stiffness' variation makes two modes grow, to first order.
+"""Instability tongues: where varying stiffness makes two modes grow, to first order.
 
 With z = sum of c_k r_k and A(t) = A_0 + v sum of A_n exp(i n Omega t), two modes a, b whose eigenvalues differ by about
 i n Omega see of each other

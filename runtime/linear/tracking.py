@@ -1,4 +1,4 @@
-"""Tracking: which mode is which as speed or load goes on, by what the left vectors of one find in the other."""
+"""Mode tracking over speed or load, by left and right eigenvectors."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""Arguments: what a caller gives as numbers, as arrays of real numbers, or refused."""
+"""Array arguments: what a caller gives, as arrays of real numbers, or refused."""
 
 from typing import Any
 

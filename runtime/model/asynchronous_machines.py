@@ -1,4 +1,4 @@
-"""Machines: asynchronous ones that have left the part of their slip law in which they run."""
+"""Asynchronous machines that have left the stable part of their slip law."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""BLAS: linear algebra in one thread while a run is set up, as many as before afterwards.
+"""BLAS threads: linear algebra in one thread while a run is set up.
 
 The matrices of a train are small, so threads wait for each other, and a set-up takes several times as long with two.
 The command line sets OPENBLAS_NUM_THREADS before NumPy is loaded; a program that imports ltcgear has loaded it long

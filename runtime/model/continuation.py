@@ -1,4 +1,4 @@
-"""Follow an equilibrium while a parameter goes from 1 to 0, by secants and steps that adapt."""
+"""Continuation of an equilibrium while a parameter goes from 1 to 0."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Native: the march's C, compiled once for all models, and the one list of what it shares with Python."""
+"""C structures of the compiled integration, shared with Python."""
 
 import ctypes
 from collections.abc import Mapping, Sequence

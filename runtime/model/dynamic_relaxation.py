@@ -1,4 +1,4 @@
-"""Relax: let forces move what they act on, ever faster, until they balance; for gaps that close on the way."""
+"""Dynamic relaxation: forces move what they act on until they balance, through gaps that close."""
 
 from collections.abc import Callable
 

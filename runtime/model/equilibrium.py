@@ -1,4 +1,4 @@
-"""The loaded equilibrium at running speed, where a simulation starts and a linearisation stands."""
+"""Loaded equilibrium at running speed, where a simulation starts and a linearisation stands."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""A CasADi function bound to NumPy buffers: no conversion, no allocation per call."""
+"""CasADi function bound to NumPy buffers: no conversion, no allocation per call."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Build: Artifact -> Library, the generated functions ready to call, compiled where there is a compiler."""
+"""Library of a model: the generated functions compiled and ready to call."""
 
 import ctypes
 import shutil
@@ -64,13 +64,10 @@ class Library:
 
     def index(self, ending: str) -> NDArray[np.int64]:
         """Return the indices of deviations (``""``) or of their rates (``".rate"``)."""
-        names = [state.name for state in self.manifest.states]
-        deviations = [
-            i for i, name in enumerate(names) if not name.endswith(".rate") and not name.startswith("reference.")
-        ]
-        if not ending:
-            return np.array(deviations, dtype=np.int64)
-        return np.array([names.index(names[i] + ending) for i in deviations], dtype=np.int64)
+        places = {(state.kind, state.body, state.axis): i for i, state in enumerate(self.manifest.states)}
+        deviations = [key for key in places if key[0] == "deviation"]
+        wanted = [("rate", *key[1:]) for key in deviations] if ending else deviations
+        return np.array([places[key] for key in wanted], dtype=np.int64)
 
 
 def build(artifact: Artifact) -> Library:

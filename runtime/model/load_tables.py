@@ -1,4 +1,4 @@
-"""Load signals: tables over time, linear between their rows and constant beyond their ends."""
+"""Load tables over time: linear between their rows, constant beyond their ends."""
 
 from collections.abc import Mapping, Sequence
 

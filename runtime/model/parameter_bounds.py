@@ -1,4 +1,4 @@
-"""Bounds: what the parameters of a scene may be set to, in Python, in plain C and in FMUs."""
+"""Bounds of parameters, for Python, plain C and FMUs."""
 
 import math
 import sys

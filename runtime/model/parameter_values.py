@@ -1,4 +1,4 @@
-"""Values: the numbers and tables that a caller gives for a model, each of a name that it knows, or refused by name."""
+"""Parameter values and tables that a caller gives, each by a known name or refused."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
@@ -122,3 +122,8 @@ def _rows(name: str, given: Pairs) -> Vector:
             jump = abs(slope[i - 1]) if after else 0.0
             raise LtcgearError(f"tables: {name}: row {i + 1}: {text.format(time[i - 1], time[i], value[i], jump)}")
     return rows
+
+
+def name_values(manifest: Manifest, p: Vector) -> dict[str, float]:
+    """Return the parameters by name."""
+    return dict(zip((name for name, _ in manifest.parameters), p.tolist(), strict=True))

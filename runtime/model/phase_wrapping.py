@@ -1,4 +1,4 @@
-"""Clocks: mesh phases and angles from which whole turns of the reference are taken off, and nothing is lost.
+"""Phase wrapping: whole revolutions are taken off mesh phases and angles without loss.
 
 A speed ratio of gears is a ratio of whole numbers, so how far a mesh phase comes in N turns of the
 reference is known exactly, and so is what is left of it after whole periods.

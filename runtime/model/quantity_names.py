@@ -1,4 +1,4 @@
-"""Quantities: what is told of meshes, bearings, rotors, ... and what each is called in words."""
+"""Names of quantities of meshes, bearings, rotors, ... in words."""
 
 PHASES = ("mesh_phase", "gear_phase")
 """Quantities of a mesh that count tooth pitches without end."""

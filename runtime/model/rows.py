@@ -1,4 +1,4 @@
-"""Batch: a generated function at many rows of its arguments, by one call of C."""
+"""Batch evaluation: a generated function at many rows of arguments, by one call of C."""
 
 import ctypes
 from typing import Any

@@ -1,4 +1,4 @@
-"""Ties: orders by size in which what rounding alone tells apart stands by name, so that all processors agree."""
+"""Stable order by size: what rounding alone tells apart stands by name."""
 
 import re
 from collections.abc import Mapping, Sequence

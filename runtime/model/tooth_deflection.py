@@ -1,4 +1,4 @@
-"""Teeth: what their deflections may be, from what no law of theirs holds for to what no tooth can give.
+"""Limits of mesh deflection: where the force law ceases to hold, and what no tooth can give.
 
 The law of a mesh is linear (a stiffness over the mesh phase), which teeth are only while they bend by far less than
 they are thick. Lengths along the line of action go by the base pitch p_b = 2 pi r_b / z, about three modules
@@ -6,12 +6,14 @@ they are thick. Lengths along the line of action go by the base pitch p_b = 2 pi
 a flank that has gone further has gone through the tooth.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
+from ltcgear.generated.contract import Connection
 from numpy.typing import NDArray
 
 from .library import Library
+from .parameter_values import name_values
 
 Vector = NDArray[np.float64]
 
@@ -49,8 +51,9 @@ class Teeth:
         reports = library.manifest.reports
         self.columns = [i for i, report in enumerate(reports) if report.quantity == "mesh_deflection"]
         self.meshes = tuple(reports[i].item for i in self.columns)
-        numbers = dict(zip((name for name, _ in library.manifest.parameters), p.tolist(), strict=True))
-        found = [_base_pitch(numbers, mesh) for mesh in self.meshes]
+        numbers = name_values(library.manifest, p)
+        meshes = {item.item: item for item in library.manifest.connections if item.kind == "mesh"}
+        found = [_base_pitch(numbers, meshes[mesh]) for mesh in self.meshes]
         self.pitch, self.known = np.array([pitch for pitch, _ in found]), all(known for _, known in found)
         self._pulls = not any(report.quantity == "mesh_contact" for report in reports)
 
@@ -83,10 +86,18 @@ class Teeth:
                 )
 
 
-def _base_pitch(numbers: dict[str, float], mesh: str) -> tuple[float, bool]:
+def count_teeth(mesh: Connection, numbers: Mapping[str, float]) -> tuple[int, int]:
+    """Return the teeth of both gears of a mesh, zeros where the model does not know them.
+
+    Only those of gear 1 are a parameter. Gears that mesh have one base pitch 2 pi r_b / z, which gives the others.
+    """
+    teeth = abs(numbers.get(mesh.teeth, 0.0))
+    one, two = (numbers[name] for name in mesh.radii)
+    return round(teeth), round(teeth * two / one)
+
+
+def _base_pitch(numbers: Mapping[str, float], mesh: Connection) -> tuple[float, bool]:
     """Return a base pitch [m], and whether it is of teeth that are known."""
-    flank = mesh.removesuffix(".back")
-    group = next(name for name in (flank, flank.rpartition(".")[0]) if f"{name}.base_radius_1" in numbers)
-    radii = [numbers[f"{group}.base_radius_{i}"] for i in (1, 2)]
-    teeth = abs(numbers.get(f"{group}.teeth_1", 0.0))
+    radii = [numbers[name] for name in mesh.radii]
+    teeth = abs(numbers.get(mesh.teeth, 0.0))
     return (2 * np.pi * radii[0] / teeth, True) if teeth else (2 * np.pi * min(radii) / FEWEST, False)

@@ -1,58 +1,66 @@
-"""Ends: what each family of elements joins, and how members go by one name."""
+"""Topology of the train: which members each connection joins, and how members go by one name."""
 
-import numpy as np
-from ltcgear.generated.contract import Manifest
+from dataclasses import dataclass
 
-from .library import Library
+from ltcgear.generated.contract import Connection, Manifest
 
 HOUSING = "housing"
-ENDS = {"sun_planet": "sun", "ring_planet": "ring", "pin": "carrier"}
-"""What stands at the other end of a planet's elements."""
 
 
-def list_ends(library: Library) -> dict[str, list[str]]:
-    """Return by family of elements the two things it joins."""
-    manifest = library.manifest
-    found: dict[str, list[str]] = {}
-    for report in manifest.reports:
-        if report.quantity in ("mesh_force", "pin_force_x"):
-            stage, part = report.item.split(".")[:2]
-            orbiting = [f"{stage}.{ENDS[part]}", f"{stage} planets"] if part in ENDS else None
-            found[f"{stage}.{part}"] = orbiting or [f"{stage}.input", f"{stage}.output"]
-        elif report.quantity == "bearing_force_x":
-            found[f"{report.item}.bearing"] = [report.item, HOUSING]
-        elif report.quantity == "support_torque":
-            found[f"{report.item}.torsional_support"] = [report.item, HOUSING]
-    return found | _couplings(library)
+@dataclass(frozen=True)
+class Link:
+    """Equal connections of a train as one.
+
+    Attributes
+    ----------
+    ends
+        The two things that they join, by their labels; the second may be the housing.
+    kind
+        As a connection's.
+    stage
+        Whose meshes or pins they are, ``""`` of what is neither.
+    told
+        What they are called in words.
+    """
+
+    ends: tuple[str, str]
+    kind: str
+    stage: str
+    told: str
 
 
-def _couplings(library: Library) -> dict[str, list[str]]:
-    """Return what couplings join: members whose deviations their torques follow, and one that has none of its own."""
-    manifest = library.manifest
-    pattern = library.graphs["outputs"].jac_sparsity(0, 0)
-    rows, columns = (np.array(part) for part in pattern.get_triplet())
-    found = {}
-    for i, report in enumerate(manifest.reports):
-        if report.quantity == "coupling_torque":
-            seen = [label(manifest.states[k].body) for k in columns[rows == i]]
-            names = [name for name in dict.fromkeys(seen) if name]
-            found[f"couplings.{report.item}"] = [*names, *[_lead(manifest)] * 2][:2]
-    return found
+class Topology:
+    """A train as its manifest tells it.
 
+    Attributes
+    ----------
+    labels
+        Body -> its name; the planets of a stage share one.
+    groups
+        Connection -> the group of its equals.
+    links
+        Group -> what it joins, in the order of the manifest.
+    """
 
-def _lead(manifest: Manifest) -> str:
-    """Name the member that has no deviation of its own: the reference, or the one whose speed is held."""
-    drives = [report.item for report in manifest.reports if report.quantity == "drive_torque"]
-    if manifest.reference == "torque":
-        return next(state.body for state in manifest.states if state.name == "reference.speed")
-    return drives[0] if len(drives) == 1 else "a held member"
+    def __init__(self, manifest: Manifest) -> None:
+        bodies = manifest.bodies
+        self.labels = {b.name: f"{b.stage} planets" if b.part == "planet" else b.name for b in bodies}
+        self._wholes = {self.labels[b.name]: b.stage or b.name for b in bodies}
+        angles = [state.body for state in manifest.states if state.kind == "deviation" and state.turns]
+        self._rank = {body: k for k, body in enumerate(angles)}
+        joining = [item for item in manifest.connections if item.kind != "load"]
+        self.groups = {item.name: item.group for item in joining}
+        self.links = {item.group: self._link(item) for item in joining}
 
+    def whole(self, label: str) -> str:
+        """Return the stage of what has a label, or the rotor's own name."""
+        return self._wholes[label]
 
-def label(body: str) -> str:
-    """Return a body's name; the planets of a stage share one."""
-    return f"{body.split('.')[0]} planets" if ".planet." in body else body
-
-
-def whole(name: str) -> str:
-    """Return the stage of a member, or the rotor's own name."""
-    return name.replace(" ", ".").split(".")[0]
+    def _link(self, connection: Connection) -> Link:
+        """Describe the group of a connection; of a coupling, what has an angle of its own comes first."""
+        bodies, kind = connection.bodies, connection.kind
+        if kind == "coupling":
+            bodies = tuple(sorted(bodies, key=lambda body: self._rank.get(body, len(self._rank))))
+        ends = (*(self.labels[body] for body in bodies), HOUSING)[:2]
+        stage = self.whole(ends[0]) if kind in ("mesh", "pin") else ""
+        return Link((ends[0], ends[1]), kind, stage, connection.item if kind == "coupling" else connection.group)

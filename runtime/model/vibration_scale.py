@@ -1,17 +1,14 @@
-"""Sizes of vibrations, to which tolerances refer, and the fastest motion of the linearised model."""
+"""Vibration scale of each state, to which tolerances refer, and the fastest mode."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .energy_levels import LOADED, UNLOADED
 from .equilibrium import Equilibrium, closed, inertias, pulling, state_matrix
 from .function import Kernel
 from .library import Library
 
 Vector = NDArray[np.float64]
-LOADED = 1e-9
-"""Strain energy [J] from which a train counts as loaded."""
-UNLOADED = 1e-6
-"""Energy a freedom [J] that stands for the strain energy of a train that is not loaded (`LOADED`)."""
 
 
 def vibration_scale(library: Library, at: Equilibrium, p: Vector) -> Vector:

@@ -1,1 +1,1 @@
-"""What a run leaves: results and their files, statistics, spectra and tables of numbers."""
+"""Results of runs: quantities with units, files, statistics, spectra and tables."""

@@ -1,4 +1,4 @@
-"""Spectra: amplitude spectra of results, their strongest lines and the lines' names.
+"""Amplitude spectra of results, their strongest lines and the lines' names.
 
 scipy.signal is imported where it is called: its import takes half a second, and runs have no spectra.
 """

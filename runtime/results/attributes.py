@@ -1,4 +1,4 @@
-"""Attributes: what a result file tells about its run, as NetCDF keeps it, and read back."""
+"""Attributes of result files, written to NetCDF and read back."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""Checkpoint: all that a stopped run needs to go on, and what it must have in common with the one that goes on."""
+"""Checkpoint of a stopped run, and what it must share with the run that goes on."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-"""Check sums of what files tell: of attributes, each by its name, and of arrays together."""
+"""Check sums of attributes and of arrays."""
 
 import hashlib
 import json

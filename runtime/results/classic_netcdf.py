@@ -1,4 +1,4 @@
-"""Classic NetCDF: a heading made in memory, and where its records begin, read from it.
+"""Classic NetCDF: header made in memory, and its layout read back.
 
 The form is that of the NetCDF Classic Format Specification with 64-bit offsets: a header with dimensions, attributes
 and variables, each with the place of its data; then the data that do not move; then one record after another.

@@ -1,4 +1,4 @@
-"""Dataset: rows of a run as named quantities with units, and with all that a reader needs to know of the model."""
+"""Dataset of a run: its samples as named quantities with units."""
 
 import json
 from dataclasses import asdict
@@ -88,11 +88,11 @@ def _parameters(library: Library, p: Vector, coordinates: dict[str, Any]) -> dic
 
 
 def speed_ratio(library: Library, number: dict[str, float], rotor: str) -> float:
-    """Return a rotor's speed over the reference's; planets of a stage share one, the reference itself needs none."""
+    """Return a rotor's speed over the reference's; the reference itself needs no parameter for it."""
     if any(state.name == "reference.speed" and state.body == rotor for state in library.manifest.states):
         return 1.0
-    head, _, last = rotor.rpartition(".")
-    return number.get(f"{head if last.isdigit() else rotor}.speed_ratio", 0.0)
+    ratio = next(body.ratio for body in library.manifest.bodies if body.name == rotor)
+    return number[ratio] if ratio else 0.0
 
 
 def _dimension(library: Library, quantity: str, columns: list[int], coordinates: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""Form: whether a file's data are what ltcgear writes; the reason where they are not."""
+"""Schema of result files: whether data are what ltcgear writes, or why not."""
 
 import json
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Result: a simulation's data under the names that engineers use, and its file."""
+"""Result of a simulation under the names that engineers use, and its file."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Rounding: what of a result is nothing but the rounding of numbers and the tolerance of the integrator.
+"""Rounding: what of a result is only rounding, or the integrator's tolerance.
 
 Two rules say so, for a command to tell 0 where there is 0:
 
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..model.vibration_scale import LOADED
+from ..model.energy_levels import LOADED
 from .statistics import group_of, stage_of
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""Part: the samples of a run under way on disk, readable at every moment; sealed, they are the result.
+"""Row file of a run under way: its samples on disk, readable at every moment; sealed, they are the result.
 
 While a run goes on its rows are appended to ``NAME.part.nc``, a NetCDF file of the classic form (see ``classic``): a
 heading that is written once, then one record a row. How many records there are is written after them, so that a killed

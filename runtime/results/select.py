@@ -1,4 +1,4 @@
-"""Outputs: what a user names as QUANTITY or QUANTITY:ITEM, found in a result."""
+"""Selection of outputs named QUANTITY or QUANTITY:ITEM."""
 
 from difflib import get_close_matches
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""Statistics: mesh forces, mesh frequencies and shaft speeds of a finished simulation."""
+"""Statistics of a result: mesh forces, mesh frequencies and shaft speeds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exports: a result's quantities over time for other programs, as CSV or MATLAB's MAT."""
+"""Export of a result's quantities over time, as CSV or MATLAB's MAT."""
 
 from collections.abc import Callable
 from pathlib import Path

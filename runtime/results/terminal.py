@@ -1,4 +1,4 @@
-"""Terminal: the one way by which text for people reaches the standard streams."""
+"""Terminal output: the one way by which text reaches the standard streams."""
 
 import sys
 from typing import Any

@@ -1,4 +1,4 @@
-"""Averages: mean, root mean square and extremes of all outputs, integrated along the motion.
+"""Averages along the motion: mean, root mean square and extremes of all outputs.
 
 Means of samples hang on the sampling rate: where it is a whole multiple of the mesh frequency, all samples fall on the
 same few phases of a tooth pitch. Integrals along the motion do not. The second half of a run counts, under weights that

@@ -1,4 +1,4 @@
-"""Choice of the integrator: explicit steps, bound by stability, against costly ones, bound by accuracy only.
+"""Choice of the integrator: explicit steps bound by stability, or implicit ones bound by accuracy.
 
 The linearised model tells both. Its eigenvalues bound an explicit step; the part of its modes in what the jumps
 of stiffness, errors of teeth and loads set going says how long a step may be for accuracy.
@@ -19,6 +19,7 @@ from ..model.load_tables import Pairs
 from ..model.vibration_scale import vibration_scale
 from .driver import LONGEST
 from .duty import Changes, list_duty
+from .methods.registry import ERK, ROSENBROCK
 
 Vector = NDArray[np.float64]
 UNCHANGED = Changes(np.zeros(0), np.zeros(0))
@@ -35,8 +36,6 @@ STAGES = 8
 """Stages of the Rosenbrock method."""
 SPARSE = 1.25
 """Time of an operation of a sparse factorisation over that of one in straight-line code (measured: 1 to 2)."""
-SEGMENT = {"erk": 3e4, "rosenbrock": 2e5}
-"""Operations in the time that a segment takes beside its steps, in C and with an engine called back (measured)."""
 SHORTEST = 8.0
 """Angle of the fastest mode in the shortest segment."""
 PER_SEGMENT = 4.5
@@ -98,16 +97,16 @@ def choose(
     pace, (explicit, stiff) = reckon(library, at, p, rtol, tables, t_end), step_operations(library)
     if not pace.stiff:
         still, slow = "nothing sets the model going from its equilibrium", pace.stable * explicit > IDLE
-        return Choice("rosenbrock" if slow else "erk", still)
+        return Choice((ROSENBROCK if slow else ERK).name, still)
     costs = [
-        pace.explicit * explicit + pace.segments[0] * SEGMENT["erk"],
-        pace.stiff * stiff + pace.segments[1] * SEGMENT["rosenbrock"],
+        pace.explicit * explicit + pace.segments[0] * ERK.segment_operations,
+        pace.stiff * stiff + pace.segments[1] * ROSENBROCK.segment_operations,
     ]
     why = (
         f"the fastest eigenvalue, {pace.fastest:.2g} 1/s, binds explicit steps to {pace.stable:.2g} a second at least; "
         f"accuracy calls for {pace.stiff:.2g}, and a stiff step costs {stiff / explicit:.2g} times as much"
     )
-    return Choice("rosenbrock" if costs[0] > GAIN * costs[1] else "erk", why)
+    return Choice((ROSENBROCK if costs[0] > GAIN * costs[1] else ERK).name, why)
 
 
 def reckon(

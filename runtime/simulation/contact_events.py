@@ -1,4 +1,4 @@
-"""Regimes as discrete states: which side of every border holds at the start of a run.
+"""Contact events: which side of every border between regimes holds.
 
 A border is a zero of one of the generated indicators g (teeth that come to push, a race that is reached). While an arc
 is integrated its sides are held, so that nothing bends within it; the first border that it crosses ends it, which

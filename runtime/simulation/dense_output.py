@@ -1,4 +1,4 @@
-"""Output nodes of a segment, and how samples between them are read."""
+"""Dense output of a segment: nodes, and interpolation between them."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""March: an integration under way, segment by segment of smooth motion between switching instants.
+"""Driver of an integration: segments of smooth motion between switching instants.
 
 The segments themselves are in C (``native/march.c``); here they are set going, and led from knot to knot of the loads
 and from turn to turn of the reference.
@@ -26,8 +26,9 @@ from ..results.peaks import MeshExtremes
 from .contact_events import Regimes
 from .dense_output import Chebyshev, Nodes, Uniform
 from .event_functions import Watch
-from .methods import segment_methods
-from .methods.segment_methods import EXPLICIT, MULTISTEP, Counts, Stepper, make_stepper
+from .methods import stepper
+from .methods.registry import Method, find_method
+from .methods.stepper import Counts, SegmentProblem, Stepper
 from .quadrature import MOST, lobatto_rules
 from .smooth_arc import Frame
 
@@ -36,9 +37,6 @@ MOST_TURNS = 16
 """Turns of the reference in a block of samples, at whose end whole turns are taken off its angle."""
 WIDEST = 1000.0
 """Angle [rad] by which the fastest mode turns between two nodes (explicit methods) at most where nothing switches."""
-UNRESOLVED = {"erk": 1.0}
-"""What a segment's nodes may miss, over rtol; ``COARSE`` with other methods, whose own errors are larger."""
-COARSE = 10.0
 FINEST = 1e-9
 """What nodes may miss at least, whatever the tolerance: the fastest mode between them is resolved that well."""
 SHORTEST = 1 / 64
@@ -107,20 +105,20 @@ class March:
         self.p = native.share("p", self.clocks.parameters(self.turns))
         self.frame = Frame(at.x, vibration_scale(library, at, self.p))
         self.z = native.share("z", np.zeros(len(at.x)))
-        self._lay_out(method, samples, rate, dense, passing)
+        self._lay_out(chosen := find_method(method), samples, rate, dense, passing)
         self._set_levels(names)
         self._set_regimes(signals.at(0.0), self.angle if self.angle >= 0 and "reference.speed" not in names else None)
         self._set_room(samples, rate)
         self._bind()
         watch = Watch(self.regimes, self.phase_kernel, self.p, self.cells)
-        self.stepper = make_stepper(library, method, rtol, self.frame, self.p, self.nodes.points[1:], watch)
+        self.stepper = chosen.make(SegmentProblem(library, self.p, rtol, self.frame, self.nodes.points[1:], watch))
         if self.stepper is not None:
             self.state.finds_borders = self.stepper.finds_borders
             native.call_back(partial(self._advance, self.stepper))
         self.broken: BaseException | None = None
         self.first_energy = self.energy(self.z, self.cells, signals.at(0.0))
 
-    def _lay_out(self, method: str, samples: int, rate: float, dense: bool, passing: float | None) -> None:
+    def _lay_out(self, method: Method, samples: int, rate: float, dense: bool, passing: float | None) -> None:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
 
         A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
@@ -132,14 +130,14 @@ class March:
         quickest = fastest(self.library, self.at, self.p)
         self.nodes: Nodes
         if dense or manifest.levels or manifest.signals or manifest.holds:
-            count, turn = (24, 16.0) if method in MULTISTEP else (16, 8.0)
+            count, turn = (24, 16.0) if method.multistep else (16, 8.0)
             self.nodes = nodes = Chebyshev(count)
             state.longest = min(turn / quickest, CAPACITY / 2 / rate)
             state.widest = min(LONGEST * state.longest, CAPACITY / 2 / rate)
             share("last_terms", nodes.last_terms)
             share("weights", nodes.weights)
         else:
-            finer = max(ceil(quickest / rate / WIDEST), 1) if method in EXPLICIT else 1
+            finer = max(ceil(quickest / rate / WIDEST), 1) if method.explicit else 1
             if passing is not None:
                 finer = max(finer, min(ceil((APART * quickest + passing) / (TURN * rate)), MOST_FINER))
             turning = self._reference_speed() / (MOST_TURNS * TURN)
@@ -148,7 +146,7 @@ class March:
             block = ceil(samples * finer / ceil(samples * finer / most))
             self.nodes, state.longest, state.uniform = Uniform(block), block / finer / rate, 1
         state.shortest, state.first = SHORTEST * state.longest, state.longest
-        state.rtol, state.unresolved = self.rtol, max(UNRESOLVED.get(method, COARSE) * self.rtol, FINEST)
+        state.rtol, state.unresolved = self.rtol, max(method.unresolved * self.rtol, FINEST)
         state.fresh = 1
         state.n_nodes = len(share("points", self.nodes.points))
         self._set_points(quickest, None if passing is None else max(passing, WEIGHTS * rate / samples))
@@ -194,7 +192,7 @@ class March:
         state.n, state.n_levels, state.n_signals = n, meshes, len(manifest.signals)
         state.n_holds, state.n_forces = holds, len(forces)
         state.capacity, state.last, state.sampling, state.end = CAPACITY, samples, rate, samples / rate
-        state.done, state.most_steps = 1, segment_methods.MOST_STEPS
+        state.done, state.most_steps = 1, stepper.MOST_STEPS
         share("origin", self.frame.origin)
         share("scale", self.frame.scale)
         lowest, steady = np.full(len(forces), np.inf), np.full((2, len(forces)), np.nan)

@@ -1,4 +1,4 @@
-"""Duty: how long a run is at which speed, and by how much its loads change, before it is integrated.
+"""Duty cycle of a run: time at each speed and changes of load, before it is integrated.
 
 Friction is steepest at rest and teeth come and go with the speed, so what steps a run takes is a mean over its speeds.
 """

@@ -1,12 +1,12 @@
-"""Energy: whether what a run's energy did adds up."""
+"""Energy balance of a run."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.energy_levels import UNLOADED
 from ..model.equilibrium import Equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
-from ..model.vibration_scale import UNLOADED
 from .integration import Outcome
 
 Vector = NDArray[np.float64]

@@ -26,15 +26,14 @@ from ..results.result import Result
 from ..results.samples import no_rows
 from .choose_method import Choice
 from .integration import check_length
-from .methods.segment_methods import Counts
+from .methods.registry import METHODS
+from .methods.stepper import Counts
 from .room import check_size
 from .sampling_rate import Rate
 from .simulate import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, list_settings
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
-FREE = ("erk",)
-"""Methods whose runs go on side by side; the others integrate with CasADi, one run after the other."""
 AHEAD = 2
 """Runs that are set up before their results are asked for, per worker."""
 LOOK = 0.1
@@ -154,7 +153,7 @@ class _Ensemble:
         except LtcgearError as error:
             self.refused[k] = error
             return None
-        if run.settings["method"] in FREE:
+        if METHODS[run.settings["method"]].in_march:
             return pool.submit(self._follow, k, self._note)
         self._follow(k, self._tell)
         if run.integration.status.startswith("interrupted"):

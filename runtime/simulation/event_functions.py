@@ -1,4 +1,4 @@
-"""Watch: what a motion must not step over, for engines that look for it themselves."""
+"""Event functions for integrators with root finding of their own."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Say why an integration cannot go on: which gears came too close, which member runs away."""
+"""Reasons of a failed integration: gears that came too close, members that run away."""
 
 import numpy as np
 from numpy.typing import NDArray

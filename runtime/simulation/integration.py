@@ -1,4 +1,4 @@
-"""Integrate: segments of smooth motion between switching instants, sampled on a uniform grid."""
+"""Integration: segments of smooth motion between switching instants, sampled on a uniform grid."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from .driver import March
 from .failure import explain
 from .interrupt import Brake
 from .method_limits import check_run
-from .methods.segment_methods import Counts
+from .methods.stepper import Counts
 from .sampling import Block, Points, Samples, join
 
 Vector = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Brake: Ctrl-C ends an integration between two segments, where its state is whole."""
+"""Interrupt: Ctrl-C ends an integration between two segments, where its state is whole."""
 
 import signal
 from threading import current_thread, main_thread

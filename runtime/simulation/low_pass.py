@@ -1,4 +1,4 @@
-"""Band: the linear-phase low-pass filter through which outputs are sampled, and where it ends.
+"""Low-pass filter of linear phase through which outputs are sampled, and its band.
 
 Stiffness jumps excite without end, so samples taken as they are show what lies above half the sampling rate as false
 lines below it. Outputs are integrated under the filter instead, along the motion itself, arc by arc between its jumps:

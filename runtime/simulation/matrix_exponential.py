@@ -1,4 +1,4 @@
-"""Exact motion of a model that is linear between its stiffness jumps, by matrix exponentials.
+"""Matrix exponentials: exact motion of a model that is linear between its stiffness jumps.
 
 Between two jumps x' = A x + b, whose solution is that of (x, 1)' = G (x, 1), a matrix exponential. The instants
 of the jumps follow from kinematics: at a held speed a mesh phase is a straight line in time. Nothing here is

@@ -1,4 +1,4 @@
-"""Refuse, before anything is integrated, what a method cannot finish, or not within the hour."""
+"""Limits of methods: runs that a method cannot finish, or not within the hour, are refused."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ from ..model.library import Library
 from ..model.load_tables import Pairs
 from ..model.phase_wrapping import TURN, Clocks
 from ..model.vibration_scale import vibration_scale
-from .choose_method import SEGMENT, SHORTEST, reckon, step_operations
+from .choose_method import SHORTEST, reckon, step_operations
 from .driver import LONGEST as LONGEST_ARC
-from .methods.segment_methods import EXPLICIT
+from .methods.registry import METHODS
 from .sampling_rate import reference_speed
 
 Vector = NDArray[np.float64]
@@ -25,9 +25,6 @@ REACH = 3.5
 """Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Tsitouras is stable."""
 MOST_STEPS = 1e9
 """Steps above which a run is refused: minutes for the smallest scenes, hours for large ones."""
-STIFFEST = 5e4
-"""Fastest over slowest motion beyond which Adams is refused: held at its bound of stability for so long, it was seen
-to err 1e4 times its tolerance (hard case ``tiny-inertia``)."""
 SPEED = 1e9
 """Operations a second that a run is reckoned with (measured on the rig and its stages: 1.0e9 to 1.8e9)."""
 LONGEST = 3600.0
@@ -67,7 +64,7 @@ def check_run(
         It names what takes so long (body, mesh, samples, table) and the cure.
     """
     motion = fastest_motion(library, at, p)
-    if method in EXPLICIT:
+    if METHODS[method].explicit:
         _check_steps(library, at, p, method, t_end, motion, np.inf if long else MOST_STEPS, f"; {ASKED}")
     if long:
         return
@@ -99,11 +96,12 @@ def _check_steps(
 ) -> None:
     """Refuse more steps than ``most``, and how they may be asked for."""
     speed, body = motion
-    slowest = _slowest(library, at, p) if method == "adams" else np.inf
-    if speed > STIFFEST * slowest:
+    stiffest = METHODS[method].stiffest
+    slowest = _slowest(library, at, p) if np.isfinite(stiffest) else np.inf
+    if speed / slowest > stiffest:
         raise LtcgearError(
-            f"adams is not for stiff models: {body} swings at {speed:.1e} rad/s, {speed / slowest:.0e} times as fast "
-            "as the slowest motion; use --method rosenbrock or cvodes"
+            f"{method} is not for stiff models: {body} swings at {speed:.1e} rad/s, {speed / slowest:.0e} times as "
+            "fast as the slowest motion; use --method rosenbrock or cvodes"
         )
     steps = t_end * speed / REACH
     if steps > most:
@@ -127,7 +125,8 @@ def _teeth_work(
         frequency = speed * rates[fastest] / TURN
         switchings = 2 * len(levels) * frequency * t_end
         cause = f"{switchings:.1e} switchings of stiffness: the teeth of {fastest} mesh {frequency:.3g} times a second"
-        found.append(Work(switchings * _segment(method), cause, "lower the speed or simulate less time"))
+        each = METHODS[method].segment_operations
+        found.append(Work(switchings * each, cause, "lower the speed or simulate less time"))
     return found
 
 
@@ -149,25 +148,20 @@ def _step_work(
     tables: Mapping[str, Pairs] | None, motion: Motion,
 ) -> list[Work]:  # fmt: skip
     """Return the work of steps for stability and accuracy, and of the segments that they lie in."""
-    costs = dict(zip((True, False), step_operations(library), strict=True))
-    each = costs[method in EXPLICIT]
+    explicit, beside = METHODS[method].explicit, METHODS[method].segment_operations
+    each = step_operations(library)[not explicit]
     speed, body = motion
-    if DENSEST * speed * t_end * (each + _segment(method)) < SPEED * LONGEST / 4:
+    if DENSEST * speed * t_end * (each + beside) < SPEED * LONGEST / 4:
         return []
-    pace, explicit = reckon(library, at, p, rtol, tables, t_end), method in EXPLICIT
+    pace = reckon(library, at, p, rtol, tables, t_end)
     steps, segments = t_end * (pace.explicit if explicit else pace.stiff), t_end * pace.segments[not explicit]
-    operations = steps * each + segments * _segment(method)
+    operations = steps * each + segments * beside
     # What is above these is held short by the fastest motion, by stability or since segments are.
     if steps < BOUND * t_end * pace.stiff and steps > BOUND * t_end * speed / (SHORTEST * LONGEST_ARC):
         return [Work(operations, f"{steps:.1e} steps for accuracy", "take a larger --rtol, or simulate less time")]
     cure = f"give {body.split()[0]} more inertia or softer springs, or simulate less time"
     cure = f"use --method rosenbrock, {cure}" if explicit else cure
     return [Work(operations, f"{steps:.1e} steps: {body} swings at {speed:.1e} rad/s", cure)]
-
-
-def _segment(method: str) -> float:
-    """Return the operations that a segment takes beside its steps."""
-    return SEGMENT.get(method, SEGMENT["rosenbrock"])
 
 
 def _slowest(library: Library, at: Equilibrium, p: Vector) -> float:

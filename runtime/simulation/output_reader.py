@@ -1,4 +1,4 @@
-"""Reading: samples and points of an integration -> outputs through the band's filter, and their statistics."""
+"""Output reader: samples of an integration become filtered outputs and statistics."""
 
 from dataclasses import replace
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Quadrature: points and weights of Lobatto's rule on an arc of smooth motion, and how much each rule resolves.
+"""Lobatto quadrature on an arc of smooth motion.
 
 Gauss's rule with both ends among its points (Abramowitz and Stegun 25.4.32): so both sides of a jump are seen.
 """

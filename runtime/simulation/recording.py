@@ -1,4 +1,4 @@
-"""Recording: a simulation whose samples go to a file while it runs, so that memory stays flat and it can go on."""
+"""Recording: a simulation whose samples go to a file while it runs, and which can be resumed."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
@@ -24,12 +24,12 @@ from ..results.statistics import Statistics
 from .choose_method import Choice, choose
 from .integration import Integration, Outcome
 from .low_pass import passing_speed
-from .methods.segment_methods import Counts
+from .methods.registry import AUTO
+from .methods.stepper import Counts
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_room
 from .sampling import Block, Points
 from .simulate import (
-    AUTO,
     DEFAULT_METHOD,
     DEFAULT_RTOL,
     check_options,

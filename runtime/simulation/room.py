@@ -1,4 +1,4 @@
-"""Room: what the samples of a run take of memory and of a disk, and what there is."""
+"""Memory and disk space that the samples of a run take."""
 
 import os
 import shutil

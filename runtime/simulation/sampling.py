@@ -1,4 +1,4 @@
-"""Uniform samples of a march and the points of its motion between them, handed on block by block."""
+"""Sampling of a motion: uniform samples and quadrature points, block by block."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

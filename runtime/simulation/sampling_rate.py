@@ -1,4 +1,4 @@
-"""Sampling rate of a scene that gives none: as high as its modes and meshes call for."""
+"""Choice of the sampling rate, by modes and mesh frequencies."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

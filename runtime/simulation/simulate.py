@@ -1,4 +1,4 @@
-"""The running half of the way through the house: Library -> equilibrium -> trajectory -> Result."""
+"""Simulation in memory: library -> equilibrium -> trajectory -> result."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
@@ -9,12 +9,12 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..model.asynchronous_machines import past_breakdown
+from ..model.energy_levels import LOADED
 from ..model.equilibrium import Equilibrium, Vector, find_equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
 from ..model.load_tables import Pairs
 from ..model.parameter_values import is_number
-from ..model.vibration_scale import LOADED
 from ..results.attributes import to_attributes
 from ..results.dataset import make_dataset
 from ..results.result import Result
@@ -25,7 +25,7 @@ from .choose_method import Choice, choose
 from .energy_balance import energy_residual
 from .integration import Integration, Outcome, check_length
 from .low_pass import BAND, passing_speed
-from .methods.segment_methods import check_method
+from .methods.registry import AUTO, find_method
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_size
 from .sampling_rate import Rate, choose_rate
@@ -34,8 +34,6 @@ from .verify import estimate_accuracy
 if TYPE_CHECKING:
     import xarray as xr
 
-AUTO = "auto"
-"""In place of a method: let ``choose`` take one."""
 DEFAULT_METHOD = AUTO
 DEFAULT_RTOL = 1e-6
 WRONG = 1e-2
@@ -45,7 +43,7 @@ WRONG = 1e-2
 def check_options(method: str, rtol: float, t_end: float | None = None, rate: float | None = None) -> None:
     """Refuse options that no integrator can serve, before anything is computed."""
     if method != AUTO:
-        check_method(method)
+        find_method(method)
     if not (is_number(rtol) and 1e-13 <= rtol <= 0.1):
         raise LtcgearError(f"rtol {_told(rtol)}: must lie between 1e-13 and 0.1")
     if t_end is not None and not (is_number(t_end) and 0 < t_end < 1e7):
@@ -85,7 +83,7 @@ def simulate(
     t_end, rate
         Time to simulate [s] and samples a second [Hz]; without, the rate is chosen from modes and meshes (``rates``).
     method, rtol
-        Integrator (see ``stepper.METHODS``; ``auto`` chooses one, see ``choice``) and its relative tolerance,
+        Integrator (see ``registry.METHODS``; ``auto`` chooses one, see ``choice``) and its relative tolerance,
         which refers to vibrations.
     raw
         Keep outputs of the instant, in which what lies above half the rate shows as false lines below it. Else all are

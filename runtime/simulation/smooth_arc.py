@@ -1,4 +1,4 @@
-"""Arcs of smooth motion, and the scaling in which they are integrated."""
+"""Smooth arcs of a motion, and the scaling in which they are integrated."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Achieved accuracy of mesh forces and of their statistics: the same window at the tolerance and at a tenth of it."""
+"""Verification of a run: mesh forces and statistics at its tolerance and at a tenth of it."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any

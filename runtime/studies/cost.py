@@ -1,4 +1,4 @@
-"""Cost: what variants of a model take to run, and how far their mesh forces are from the full one's."""
+"""Cost of effects: time of variants of a model, and how far their mesh forces are off."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 from ltcgear.generated.errors import SolverError
 
+from ..model.energy_levels import LOADED
 from ..model.equilibrium import find_equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
 from ..model.load_tables import Pairs
-from ..model.vibration_scale import LOADED
 from ..results.result import Result
 from ..simulation.simulate import simulate
 from .force_comparison import MEASURES, compare_forces, find_worst

@@ -1,4 +1,4 @@
-"""Pages: templates of HTML in the room that fills them; text is escaped unless a template says that it is HTML."""
+"""HTML templates; text is escaped unless a template says that it is HTML."""
 
 from importlib import resources
 from typing import Any

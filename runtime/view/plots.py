@@ -1,4 +1,4 @@
-"""Plots: figures of a simulation like those of Wu et al. 2021."""
+"""Figures of a simulation like those of Wu et al. 2021."""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
-"""Second stage: Scene -> Model, only with the elements that the scene's effects call for."""
+"""Assembly of the model: bodies and elements that the scene's effects call for (Scene -> Model)."""
 
 from math import cos, sin
+
+from ltcgear.generated.contract import GEOMETRY
 
 from ..gears import gear_geometry, train
 from ..mechanics.model import Model
@@ -80,7 +82,7 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
 
 def _place(draft: Draft, name: str, x: float, y: float) -> tuple[str, str]:
     """Note a place [m] and return its parameters."""
-    return draft.number(f"{name}.x_0", x, "m"), draft.number(f"{name}.y_0", y, "m")
+    return draft.number(f"{name}.x_0", x, "m", GEOMETRY), draft.number(f"{name}.y_0", y, "m", GEOMETRY)
 
 
 def _pair(draft: Draft, name: str, stage: Pair) -> None:

@@ -1,6 +1,8 @@
-"""Bodies of a model and what ties them to the housing and to each other."""
+"""Bodies of the model, their bearings, pins and couplings."""
 
 from math import sqrt
+
+from ltcgear.generated.contract import CLOSING, CONSTANT, COUNT, HOMOTOPY
 
 from ..gears import train
 from ..mechanics.model import BASIS, Body
@@ -41,8 +43,9 @@ def add_body(
             name, lateral, turning,
             draft.number(f"{kin}.mass", mass, "kg") if lateral else None,
             draft.number(f"{kin}.inertia", inertia, "kg*m^2") if turning not in ("held", "led") else None,
-            draft.number(f"{kin}.speed_ratio", draft.rigid.ratios[kin], "") if runs else None,
+            draft.number(f"{kin}.speed_ratio", draft.rigid.ratios[kin], "", COUNT) if runs else None,
             place, frame, leader, seat, static_moment(draft, name) if lateral else None,
+            kin.removeprefix(f"{frame}.") if frame else "rotor",
         )
     )  # fmt: skip
 
@@ -64,7 +67,7 @@ def _damper(
 
 def _origin(draft: Draft, place: tuple[str, str] | None) -> dict[str, str]:
     """Bind x_0, y_0 of a bearing: the body's place, or the shared zero of a centred one."""
-    x, y = place or (draft.number("origin", 0.0, "m"),) * 2
+    x, y = place or (draft.number("origin", 0.0, "m", CONSTANT),) * 2
     return {"x_0": x, "y_0": y}
 
 
@@ -76,7 +79,7 @@ def _ground_bearing(draft: Draft, name: str, bearing: Bearing, mass: float, plac
         bind["c"] = damper
     race = _clearance(draft, f"{name}.bearing", f"{name}.bearing", bearing)
     group = "ground_clearance" if race else "ground_bearing"
-    draft.place(name, (group, damper is not None), (name,), **bind, **_origin(draft, place), **race)
+    draft.place(name, (group, damper is not None), (name,), f"{name}.bearing", **bind, **_origin(draft, place), **race)
 
 
 def _clearance(draft: Draft, label: str, key: str, bearing: Bearing) -> dict[str, str]:
@@ -85,8 +88,8 @@ def _clearance(draft: Draft, label: str, key: str, bearing: Bearing) -> dict[str
         return {}
     return {
         "clearance": draft.number(f"{key}.clearance", bearing.clearance, "m"),
-        "closing": draft.number("bearing.closing", 0.0, ""),
-        "epsilon": draft.number("bearing.rounding", 1e-9, "m"),
+        "closing": draft.number(CLOSING, 0.0, "", HOMOTOPY),
+        "epsilon": draft.number("bearing.rounding", 1e-9, "m", CONSTANT),
         "hold": draft.hold(label, "m"),
     }
 
@@ -97,7 +100,7 @@ def _torsional_support(draft: Draft, name: str, support: TorsionalSupport, inert
     damper = _damper(draft, f"{name}.torsional_support", support, inertia, "N*m*s/rad")
     if damper:
         bind["c_t"] = damper
-    draft.place(name, ("torsional_support", damper is not None), (name,), **bind)
+    draft.place(name, ("torsional_support", damper is not None), (name,), f"{name}.torsional_support", **bind)
 
 
 def reduced(one: float, two: float) -> float:
@@ -124,7 +127,7 @@ def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:
     damper = _damper(draft, f"couplings.{name}", coupling, inertia, "N*m*s/rad")
     if damper:
         bind["c_t"] = damper
-    draft.place(name, ("coupling", damper is not None), (one, two), **bind)
+    draft.place(name, ("coupling", damper is not None), (one, two), f"couplings.{name}", **bind)
 
 
 def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple[str, str]) -> None:
@@ -140,7 +143,7 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
     label = f"{name}.pin.{number}"
     bind |= _clearance(draft, label, f"{name}.pin", stage.pin)
     group = "pin_clearance" if "clearance" in bind else "pin"
-    draft.place(label, (group, damper is not None), bodies, **bind, **({"c": damper} if damper else {}))
+    draft.place(label, (group, damper is not None), bodies, f"{name}.pin", **bind, **({"c": damper} if damper else {}))
     if draft.on("bearing_friction") and (stage.pin.friction or stage.pin.friction_damping):
         pin = stage.pin
         draft.place(

@@ -1,8 +1,8 @@
-"""The model and its meshes while they are being put together, the only mutable values of the pipeline."""
+"""Draft of the model while it is assembled; the only value of the pipeline that changes."""
 
 from dataclasses import dataclass, field
 
-from ltcgear.generated.contract import Clock, Signal
+from ltcgear.generated.contract import GEOMETRY, PHYSICAL, REGIME, Clock, Signal
 
 from ..gears import train
 from ..mechanics.model import HOLD, Body, Instance, Level, Parameter, Phase, Profile
@@ -58,14 +58,14 @@ class Draft:
     tables: dict[str, Pairs] = field(default_factory=dict)
     clocks: list[Clock] = field(default_factory=list)
 
-    def number(self, name: str, value: float, unit: str) -> str:
+    def number(self, name: str, value: float, unit: str, role: str = PHYSICAL) -> str:
         """Note a parameter and return its name."""
-        self.parameters[name] = Parameter(name, float(value), unit)
+        self.parameters[name] = Parameter(name, float(value), unit, role)
         return name
 
     def hold(self, border: str, unit: str) -> str:
         """Note what holds the regime on one side of a border."""
-        return self.number(HOLD + border, 0.0, unit)
+        return self.number(HOLD + border, 0.0, unit, REGIME)
 
     def signal(self, name: str, unit: str, table: str, pairs: Pairs, slope: bool = False) -> str:
         """Note a load signal with the table it is read from, and return its name."""
@@ -77,13 +77,15 @@ class Draft:
         """Note the angle from which something turns for ever, where it does: once for all that turn alike."""
         known = {(clock.ratio, clock.frame) for clock in self.clocks if not clock.mesh}
         if ratio != frame and (ratio or "", frame or "") not in known:
-            start = self.number(f"{name}.start_angle", 0.0, "rad")
+            start = self.number(f"{name}.start_angle", 0.0, "rad", GEOMETRY)
             self.clocks.append(Clock(start, "", ratio or "", frame or ""))
 
-    def place(self, name: str, element: tuple[str | bool, ...], bodies: tuple[str, ...], **bind: str) -> None:
-        """Note an element instance."""
+    def place(
+        self, name: str, element: tuple[str | bool, ...], bodies: tuple[str, ...], family: str = "", **bind: str
+    ) -> None:
+        """Note an element instance, of a family where it connects bodies."""
         group = str(element[0])
-        self.instances.append(Instance(name, group, element, bodies, bind))
+        self.instances.append(Instance(name, group, element, bodies, bind, family))
 
     def on(self, effect: str) -> bool:
         """Tell whether an on/off effect is on."""

@@ -3,10 +3,10 @@
 from collections.abc import Iterable
 from math import cos, pi, sin, sqrt
 
-from ltcgear.generated.contract import BACK, Clock
+from ltcgear.generated.contract import BACK, COUNT, GEOMETRY, HOMOTOPY, PULL, VARYING, Clock
 
 from ..gears import gear_geometry, train
-from ..mechanics.model import PHASE, TURN, VARYING, Body, Level, Phase
+from ..mechanics.model import PHASE, TURN, Body, Level, Phase
 from ..schema.scene_schema import Eccentricity, Planetary
 from .bodies import reduced, swinging
 from .draft import Draft, MeshPlace
@@ -25,9 +25,9 @@ def add_mesh(draft: Draft, at: MeshPlace) -> None:
     at.sense = -1 if _relative(draft, at) * (draft.rigid.speed or 1.0) < 0 else 1
     at.backwards = sign * at.sense < 0
     bind = {
-        "r_1": draft.number(f"{name}.base_radius_1", geometry.r1, "m"),
-        "r_2": draft.number(f"{name}.base_radius_2", geometry.r2, "m"),
-        "s": draft.number(f"{name}.flank", sign, ""),
+        "r_1": draft.number(f"{name}.base_radius_1", geometry.r1, "m", GEOMETRY),
+        "r_2": draft.number(f"{name}.base_radius_2", geometry.r2, "m", GEOMETRY),
+        "s": draft.number(f"{name}.flank", sign, "", COUNT),
     }
     bodies = _teeth(draft, at)
     at.in_plane = effects["lateral"] == "on" or bodies != at.members
@@ -65,14 +65,14 @@ def _relative(draft: Draft, at: MeshPlace) -> float:
 def _in_plane(draft: Draft, at: MeshPlace, geometry: gear_geometry.MeshGeometry, law: str) -> dict[str, str]:
     """Bind the line of centres and what the law measures deflections from."""
     bind = {
-        "e_x": draft.number(f"{at.label}.e_x", cos(at.direction), ""),
-        "e_y": draft.number(f"{at.label}.e_y", sin(at.direction), ""),
+        "e_x": draft.number(f"{at.label}.e_x", cos(at.direction), "", GEOMETRY),
+        "e_y": draft.number(f"{at.label}.e_y", sin(at.direction), "", GEOMETRY),
         "Delta_gamma_0": TURN,
     }
     if law == "involute":
-        bind["inv_0"] = draft.number(f"{at.name}.inv_alpha_0", gear_geometry.involute(geometry.alpha), "rad")
+        bind["inv_0"] = draft.number(f"{at.name}.inv_alpha_0", gear_geometry.involute(geometry.alpha), "rad", GEOMETRY)
     else:
-        bind["d_0"] = draft.number(f"{at.name}.center_distance", geometry.distance, "m")
+        bind["d_0"] = draft.number(f"{at.name}.center_distance", geometry.distance, "m", GEOMETRY)
     return bind
 
 
@@ -99,8 +99,8 @@ def _eccentric(draft: Draft, member: str, item: Eccentricity) -> str:
     if name not in {body.name for body in draft.bodies}:
         gear = next(body for body in draft.bodies if body.name == member)
         place = (
-            draft.number(f"{name}.x_0", item.radius * cos(item.angle), "m"),
-            draft.number(f"{name}.y_0", item.radius * sin(item.angle), "m"),
+            draft.number(f"{name}.x_0", item.radius * cos(item.angle), "m", GEOMETRY),
+            draft.number(f"{name}.y_0", item.radius * sin(item.angle), "m", GEOMETRY),
         )
         leader = gear.leader or gear.name
         kin = gear.ratio.removesuffix(".speed_ratio") if gear.ratio else member
@@ -118,18 +118,18 @@ def _contact(
     """Place a mesh: bilateral, on one flank, or on both flanks with a gap before the one not loaded."""
     contact = draft.scene.effects["contact"]
     if contact == "bilateral":
-        draft.place(at.label, ("mesh", *form, "bilateral", *extra), bodies, **bind)
+        draft.place(at.label, ("mesh", *form, "bilateral", *extra), bodies, at.name, **bind)
         return
-    pull = draft.number("contact.pull", 0.0, "")
+    pull = draft.number(PULL, 0.0, "", HOMOTOPY)
     hold = draft.hold(at.label, "N")
-    draft.place(at.label, ("mesh", *form, "one-flank", *extra), bodies, pull=pull, hold=hold, **bind)
+    draft.place(at.label, ("mesh", *form, "one-flank", *extra), bodies, at.name, pull=pull, hold=hold, **bind)
     if contact == "backlash":
         back = {
-            "s": draft.number(f"{at.name}.other_flank", -draft.parameters[f"{at.name}.flank"].value, ""),
+            "s": draft.number(f"{at.name}.other_flank", -draft.parameters[f"{at.name}.flank"].value, "", COUNT),
             "gap": draft.number(f"{at.name}.backlash", gear_geometry.backlash(at.stage, at.mesh, *at.wheels), "m"),
             "hold": draft.hold(at.label + BACK, "N"),
         }
-        draft.place(at.label + BACK, ("mesh", *form, "gap", *extra), bodies, **bind | back)
+        draft.place(at.label + BACK, ("mesh", *form, "gap", *extra), bodies, at.name, **bind | back)
 
 
 def _mesh_damping(
@@ -156,24 +156,24 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
     """
     relative = _relative(draft, at)
     teeth = at.sense * (at.wheels[0].teeth or 0)
-    per_turn = draft.number(f"{at.name}.teeth_1", teeth, "")
-    start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.ahead / (2 * pi), "")
+    per_turn = draft.number(f"{at.name}.teeth_1", teeth, "", COUNT)
+    start = draft.number(f"{at.label}.phase", at.mesh.phase - teeth * at.ahead / (2 * pi), "", GEOMETRY)
     rolled = start
     turn = None if at.in_plane else pin_turn(draft, at)
     if turn is not None:
         # A mesh that knows angles only does not see where its pin stands.
         before = at.mesh.phase - teeth * (at.ahead + turn) / (2 * pi)
-        rolled = draft.number(f"{at.label}.rolled_phase", before, "")
+        rolled = draft.number(f"{at.label}.rolled_phase", before, "", GEOMETRY)
     runs = draft.rigid.mode != "rest" and relative != 0.0
     if runs:
         _clocks(draft, at, per_turn, dict.fromkeys((start, rolled)))
     followed = any(profile.mesh == at.label for profile in draft.profiles)
     if followed:
-        draft.number(VARYING, 1.0, "")
+        draft.number(VARYING, 1.0, "", HOMOTOPY)
     followed |= any(i.name.removesuffix(BACK) == at.label and PHASE in i.bind.values() for i in draft.instances)
     rate = None
     if runs and (at.switched or followed):
-        rate = draft.number(f"{at.name}.cycles", teeth * relative / (2 * pi), "1/rad")
+        rate = draft.number(f"{at.name}.cycles", teeth * relative / (2 * pi), "1/rad", COUNT)
     if at.switched:
         draft.levels.append(Level(at.label, rate, start, f"{at.name}.single_share"))
     draft.phases.append(Phase(at.label, per_turn, at.members[0], rate, start, rolled, followed))

@@ -1,7 +1,9 @@
-"""What takes from the deflection of a mesh: transmission error, single teeth, a pin out of place."""
+"""Errors of a mesh: transmission error, errors of single teeth, misplaced pins."""
 
 from collections.abc import Iterator
 from math import atan2, cos, sin, sqrt
+
+from ltcgear.generated.contract import COUNT, GEOMETRY
 
 from ..gears import gear_geometry, mesh_stiffness
 from ..mechanics.model import ERROR, ERROR_RATE, Profile
@@ -44,8 +46,8 @@ def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
         share = draft.number(f"{at.name}.single_share", gear_geometry.single_share(*at.geometry), "")
         numbers = (
             draft.number(key, item.error, "m"),
-            draft.number(f"{key}.tooth", item.tooth, ""),
-            draft.number(f"{key}.teeth", teeth or 0, ""),
+            draft.number(f"{key}.tooth", item.tooth, "", COUNT),
+            draft.number(f"{key}.teeth", teeth or 0, "", COUNT),
             share,
         )
         yield Profile(at.label, "error", "tooth", numbers)
@@ -70,5 +72,5 @@ def _misplaced(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
     now = sqrt((nominal.distance + radial) ** 2 + tangential**2 - base**2) / base
     opened = at.sigma * base * (now - atan2(now, 1.0) - gear_geometry.involute(nominal.alpha))
     turned = draft.parameters[f"{at.name}.flank"].value * base * turn
-    yield Profile(at.label, "turned", "constant", (draft.number(f"{at.label}.turned", turned, "m"),))
-    yield Profile(at.label, "opening", "constant", (draft.number(f"{at.label}.opened", opened, "m"),))
+    yield Profile(at.label, "turned", "constant", (draft.number(f"{at.label}.turned", turned, "m", GEOMETRY),))
+    yield Profile(at.label, "opening", "constant", (draft.number(f"{at.label}.opened", opened, "m", GEOMETRY),))

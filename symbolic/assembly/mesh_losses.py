@@ -1,6 +1,6 @@
-"""Friction of meshes: at the pitch point, or at the contacts of the teeth."""
+"""Mesh friction: at the pitch point, or at the contacts of the teeth."""
 
-from ltcgear.generated.contract import BACK
+from ltcgear.generated.contract import BACK, GEOMETRY
 
 from ..gears import gear_geometry
 from ..mechanics.model import PHASE
@@ -45,6 +45,6 @@ def _contacts(draft: Draft, at: MeshPlace) -> dict[str, str]:
     return {
         "tau": PHASE,
         "z_1": f"{at.name}.teeth_1",
-        "xi_m": draft.number(f"{at.name}.path_middle", (lowest + highest) / 2, "m"),
+        "xi_m": draft.number(f"{at.name}.path_middle", (lowest + highest) / 2, "m", GEOMETRY),
         "varsigma": draft.number(f"{at.name}.single_share", gear_geometry.single_share(*at.geometry), ""),
     }

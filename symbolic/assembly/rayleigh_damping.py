@@ -1,4 +1,4 @@
-"""Rayleigh damping of a model: every damper from its spring, and every freedom slowed in proportion to its mass."""
+"""Rayleigh damping of the model: dampers in proportion to springs, and to masses."""
 
 from ..schema.scene_schema import Rayleigh
 from .draft import Draft

@@ -1,6 +1,8 @@
-"""What is rigidly joined: members of rigid shafts, planets on rigid pins."""
+"""Rigid joints of the model: members of rigid shafts, planets on rigid pins."""
 
 from math import cos, sin
+
+from ltcgear.generated.contract import GEOMETRY
 
 from ..gears import gear_geometry, train
 from ..mechanics.model import Body
@@ -96,7 +98,9 @@ def static_moment(draft: Draft, name: str) -> tuple[str, str] | None:
     if not is_unbalanced(draft, name):
         return None
     _, _, x, y = seated(draft.scene, name)
-    return draft.number(f"{name}.static_moment_x", x, "kg*m"), draft.number(f"{name}.static_moment_y", y, "kg*m")
+    return draft.number(f"{name}.static_moment_x", x, "kg*m", GEOMETRY), draft.number(
+        f"{name}.static_moment_y", y, "kg*m", GEOMETRY
+    )
 
 
 def mass_centre(draft: Draft, body: Body, mass: float) -> Body:
@@ -104,7 +108,7 @@ def mass_centre(draft: Draft, body: Body, mass: float) -> Body:
     if not is_unbalanced(draft, body.name):
         return body
     place = tuple(
-        draft.number(f"{body.name}.mass_centre.{axis}_0", moment / mass, "m")
+        draft.number(f"{body.name}.mass_centre.{axis}_0", moment / mass, "m", GEOMETRY)
         for axis, moment in zip("xy", seated(draft.scene, body.name)[2:], strict=True)
     )
     return Body(

@@ -1,4 +1,4 @@
-"""How a mesh's stiffness is bound: one number, two and a level, or a profile over the mesh phase."""
+"""Mesh stiffness of the model: constant, two levels, or a profile over the mesh phase."""
 
 from ..gears import gear_geometry, mesh_stiffness
 from ..mechanics.model import LEVEL, SLOPE, STIFFNESS, Profile

@@ -1,4 +1,4 @@
-"""The equation book: what a scene's C is made of, typeset from the same symbols."""
+"""Equation book: the equations of a scene, typeset from the symbols of which its C is made."""
 
 from .volume import check_file, list_content, make_book, write_book
 

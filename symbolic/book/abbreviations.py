@@ -1,4 +1,4 @@
-"""Names for what stands several times in an element's law: the quantities that its author works with, in order.
+"""Abbreviations: intermediate quantities of an element's law, in the order in which it computes them.
 
 They are made by the functions that the elements themselves are written with, so that they are found in the
 elements' expressions as they stand; what is not found is left out.

@@ -7,7 +7,7 @@ from ..elements.base import real
 from ..mechanics.model import Instance, Model
 from . import waves
 from .chapter_laws import law_anchor, write_unit
-from .content import Chapter, Link, Maths, Part, Text
+from .content import Chapter, CrossReference, Maths, Part, Text
 from .laws import write_law
 from .notation import break_sum, typeset
 
@@ -66,7 +66,7 @@ def _instance_row(numbers: range, group: list[Instance]) -> Row:
         bound = _general(first.bind[symbol.name]) if several else first.bind[symbol.name]
         parameters += [", "] * bool(parameters) + [Maths(typeset(symbol, law.letters)), f" = {_told(bound)}"]
     label = f"{name}, i = 1 to {len(group)}" if several else name
-    return told, label, Link(law.title, law_anchor(law)), bodies, tuple(parameters)
+    return told, label, CrossReference(law.title, law_anchor(law)), bodies, tuple(parameters)
 
 
 def _told(bound: str) -> str:

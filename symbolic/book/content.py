@@ -1,4 +1,4 @@
-"""What a book is made of: chapters of paragraphs, equations and tables, whatever they are written as in the end."""
+"""Content of the book: chapters of paragraphs, equations and tables, whatever the output format."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ class Maths:
 
 
 @dataclass(frozen=True)
-class Link:
+class CrossReference:
     """A reference to another place of the book."""
 
     text: str
@@ -27,7 +27,7 @@ class Mark:
     kind: str
 
 
-Part = str | Maths | Link | Mark
+Part = str | Maths | CrossReference | Mark
 Text = tuple[Part, ...]
 
 

@@ -1,4 +1,4 @@
-"""Folding: parts of an expression are replaced by their names, without changing what it says.
+"""Substitution of common parts of an expression by their names.
 
 Only exact parts are replaced (some terms of a sum, some factors of a product, up to the sign), so putting the
 meaning of every name back gives the same expression; ``unfold`` does it.

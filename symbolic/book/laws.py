@@ -1,4 +1,4 @@
-"""Laws: each element type as it is printed, its energies beside the wrench written by hand."""
+"""Force laws as they are printed: an element's energies beside the wrench written by hand."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The one table of letters: how each symbol of the equations is written, in TeX, and what it means."""
+"""Letters of the equations: how each symbol is written in TeX, and what it means."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

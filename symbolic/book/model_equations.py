@@ -1,4 +1,4 @@
-"""The whole model as printed equations, in the order in which they can be computed, from states to accelerations.
+"""Printed equations of the whole model, from states to accelerations, in computing order.
 
 It is put together from ``model.instances`` and the printed laws alone. Small scenes show it as it stands; of large
 ones the book shows the laws once and which element acts on which body.

@@ -1,4 +1,4 @@
-"""Motion of bodies in the letters of the book: what an element sees of a body, written out of states and numbers."""
+"""Printed kinematics: positions and rates of bodies as elements see them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

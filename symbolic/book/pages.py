@@ -1,4 +1,4 @@
-"""A book on paper: one HTML page with MathML, or a LaTeX file; both show the same content."""
+"""Output of the book: one HTML page with MathML, or a LaTeX file, of the same content."""
 
 import re
 from functools import cache
@@ -8,7 +8,7 @@ from types import ModuleType
 
 from ltcgear.generated.errors import LtcgearError
 
-from .content import Book, Link, Mark, Maths, Text
+from .content import Book, CrossReference, Mark, Maths, Text
 from .notation import escape
 
 MISSING = "the equation book needs Jinja2 and latex2mathml: pip install 'ltcgear[report]'"
@@ -73,7 +73,7 @@ def _template(name: str) -> str:
 
 def _kind(part: object) -> str:
     """Return what a part of a text is: text, maths, link or mark."""
-    return {Maths: "maths", Link: "link", Mark: "mark"}.get(type(part), "text")
+    return {Maths: "maths", CrossReference: "link", Mark: "mark"}.get(type(part), "text")
 
 
 @cache
@@ -108,6 +108,6 @@ def _breakable(text: str) -> str:
     return re.sub(r"(\_|\.(?=[a-z]))", r"\1\\allowbreak{}", escape(text))
 
 
-def _words(part: str | Link | Mark) -> str:
+def _words(part: str | CrossReference | Mark) -> str:
     """Return the words of a part."""
     return part if isinstance(part, str) else part.text

@@ -1,4 +1,4 @@
-"""The whole book of a scene: its chapters in order, and the file that it is written to."""
+"""The book of a scene: its chapters in order, and the file that it is written to."""
 
 from collections.abc import Callable, Sequence
 from importlib.metadata import version

@@ -1,4 +1,4 @@
-r"""Stiffness and errors over the mesh phase, as they are printed; ``profiles`` is what the C is made of.
+r"""Printed stiffness and errors over the mesh phase; the C is made of ``profiles``.
 
 :math:`\operatorname{wrap}(z)` is z less its nearest whole number; :math:`\operatorname{R}` rises smoothly from 0
 at z = 0 to 1 at z = 1.

@@ -1,1 +1,1 @@
-"""Checks: derivations compared with one another, with print and with known numbers."""
+"""Checks: derivations compared with one another, with the printed paper and with known numbers."""

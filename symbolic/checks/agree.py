@@ -1,4 +1,4 @@
-r"""Check: several routes to one right-hand side agree; the gate that every emission passes.
+r"""Check of the derivations: several routes to one right-hand side agree; every emission passes it.
 
 At seeded random states the accelerations from the energies are compared with those from the hand-written
 wrenches, and those from the turning frames with those from the paper's inertial coordinates: forces turned

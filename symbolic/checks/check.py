@@ -1,4 +1,4 @@
-"""What a check hands back, and how element types are called in front of the user."""
+"""Result of a check, and names of element types as users see them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-r"""Check: the energies give the hand-written wrenches, proven symbol by symbol, not at sample points.
+r"""Check of the force laws: energies give the hand-written wrenches, proven symbolically.
 
 For every element type, each component of :math:`-\partial V/\partial q - \partial D/\partial\dot q` minus the
 wrench is shown to be identically zero. For every stage the same is shown of the sums: Lagrange's equations

@@ -1,4 +1,4 @@
-"""A model whose gears are at their nominal places, with teeth as they should be: where the paper's law is checked."""
+"""Nominal model: gears at their nominal places without errors, where the paper's law is checked."""
 
 from collections.abc import Iterator
 from dataclasses import replace

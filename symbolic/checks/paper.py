@@ -1,4 +1,4 @@
-r"""Check: each printed equation of Wu et al. 2021 against the same row put together from element wrenches.
+r"""Check of the paper: each printed equation of Wu et al. 2021 against the same row from element wrenches.
 
 Rows are compared term group by term group at seeded random states on the printed flank (s = +1, N > 0),
 while the planets roll at the pitch points: the only motion that the paper's tangent deformation (eqs 8

@@ -1,4 +1,4 @@
-"""Derived rows: what element wrenches, and counting, give for each equation of the paper."""
+"""Derived rows of the paper: what element wrenches, and counting, give for each of its equations."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Grades: a printed term group against the derived one, and the fewest edits that make the one the other."""
+"""Grades of printed equations: term groups against derived ones, and the fewest edits between them."""
 
 from collections.abc import Sequence
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""Notes: where printed rows contradict each other, where slips cancel, and what follows; each is computed."""
+"""Notes on the paper: rows that contradict each other, slips that cancel, and what follows."""
 
 from collections.abc import Iterator, Mapping
 from itertools import combinations

@@ -1,4 +1,4 @@
-"""States: random positions, speeds and numbers of a planetary set, by the names that the paper's letters have."""
+"""Random states of a planetary set, by the names of the paper's letters."""
 
 from collections.abc import Callable, Mapping
 

@@ -1,4 +1,4 @@
-r"""Check: the laws that every element must obey, at seeded random states with the model's own numbers.
+r"""Check of the physics: laws that every element must obey, at seeded random states.
 
 Forces of springs and weights are the gradient of their energy; what two bodies do to each other cancels in
 force and in moment; what a damper or friction does takes power, and as much as is booked as loss; and every

@@ -1,4 +1,4 @@
-"""What is odd about a scene but no defect: effects that cannot act in it, machines that cannot hold its loads."""
+"""Warnings about a scene without defects: effects that cannot act, machines that cannot hold their loads."""
 
 from collections.abc import Iterator
 from math import pi

@@ -1,4 +1,4 @@
-"""Freedoms: which coordinates a model moves in, and for each body why."""
+"""Degrees of freedom of a model, and for each body the reason."""
 
 from collections.abc import Iterator
 

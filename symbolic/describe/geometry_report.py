@@ -1,4 +1,4 @@
-"""What a scene amounts to in numbers: geometry, motion and loads; and loads that miss a mesh (no SymPy)."""
+"""Geometry, rigid motion and loads of a scene in numbers."""
 
 from collections.abc import Iterator
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Variants of a scene: what it is with one effect left out, and what each effect does in it."""
+"""Variants of a scene: without one effect, and what each effect does in it."""
 
 from collections import Counter
 from collections.abc import Iterator

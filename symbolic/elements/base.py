@@ -1,4 +1,4 @@
-"""What an element is: a few coordinates, a potential, a dissipation function, a hand-written wrench."""
+"""Element: coordinates, a potential, a dissipation function and a hand-written wrench."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

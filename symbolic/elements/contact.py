@@ -1,4 +1,4 @@
-r"""Regimes: laws that are smooth on either side of a border, and which side holds.
+r"""Regimes of a law: smooth on either side of a border, and which side holds.
 
 A border is where an indicator g passes through zero: teeth that come to push or cease to, a race that is
 reached. ``Switch`` is 1 where g > 0 and 0 elsewhere, and so by the state alone; but while an integrator

@@ -1,4 +1,4 @@
-r"""Where the tooth pairs of a mesh touch and what part of its load each carries, by the mesh phase.
+r"""Tooth pairs in contact: where they touch and which part of the load each carries, by the mesh phase.
 
 P is the pitch point and :math:`\xi` counts along the force on body 2. The path of contact has its middle at
 :math:`\xi_m`; on it pairs follow each other a base pitch :math:`p_b = 2\pi r_1/z_1` apart. With the phase

@@ -1,4 +1,4 @@
-"""Last stages: Equations -> CasADi functions -> C text, manifest and serialised graphs."""
+"""C text and manifest of a model: Equations -> CasADi functions -> C."""
 
 import casadi as ca
 from ltcgear.generated.contract import Artifact, Manifest, Signature
@@ -6,6 +6,7 @@ from ltcgear.generated.store import digest
 
 from ..mechanics.equations import Equations
 from ..mechanics.model import Model
+from .mechanism import list_bodies, list_connections
 from .pointers import look_once
 
 HEAD = """\
@@ -88,7 +89,8 @@ def emit(model: Model, equations: Equations) -> Artifact:
     manifest = Manifest(
         digest([c, graphs]), model.reference, equations.states, equations.levels, equations.parameters,
         equations.reports, {name: _signature(function) for name, function in made.items()}, ca.CasadiMeta.version(),
-        model.signals, equations.holds, model.clocks,
+        model.signals, equations.holds, model.clocks, list_bodies(model), list_connections(model),
+        {parameter.name: parameter.role for parameter in model.parameters},
     )  # fmt: skip
     return Artifact(c, manifest, graphs)
 

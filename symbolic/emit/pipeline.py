@@ -1,4 +1,4 @@
-"""The symbolic half of the way through the house, stage by stage: Model -> Artifact."""
+"""Pipeline of the symbolic side: Model -> equations -> checks -> C, or the same from the store."""
 
 from collections.abc import Callable
 from functools import cache

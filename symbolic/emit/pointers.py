@@ -1,4 +1,4 @@
-"""C text: every pointer that CasADi's functions may be given is looked at once, not at each of its numbers.
+"""Pointer checks of the C text: each argument of a CasADi function is looked at once.
 
 CasADi lets a caller leave out an argument, which is zero then, or a result, which nobody wants then, and asks so
 at every number read or written. Hundreds of branches cut the text into blocks: without them a right-hand side

@@ -1,4 +1,4 @@
-"""Template: a scene that is read once, of which any number of variants are made; it goes to other processes."""
+"""Template of a scene: read once, changed any number of times, also in other processes."""
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping

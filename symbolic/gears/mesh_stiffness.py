@@ -1,4 +1,4 @@
-"""The stiffness of a mesh in single and in double contact: given, of a torsional measurement, or computed."""
+"""Mesh stiffness in single and double contact: given, from a torsional measurement, or computed."""
 
 from collections.abc import Sequence
 from functools import lru_cache

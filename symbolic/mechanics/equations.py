@@ -1,4 +1,4 @@
-"""Third stage: Model -> Equations, the elements instanced and summed on the bodies, in CasADi.
+"""Equations of motion: elements instanced and summed on the bodies, in CasADi (Model -> Equations).
 
 Element types were derived in SymPy; here each instance is one call of its type's function, so the work
 grows with the number of gears only as fast as the equations themselves do.
@@ -10,13 +10,13 @@ from math import pi
 from typing import Any
 
 import casadi as ca
-from ltcgear.generated.contract import BACK, Report, State
+from ltcgear.generated.contract import BACK, VARYING, Report, State
 
 from ..elements import make
 from .joints import Joints, rotate
 from .kinematics import Kinematics
 from .lower import body_function, element_function
-from .model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, VARYING, Body, Instance, Model, Phase
+from .model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, Body, Instance, Model, Phase
 from .profiles import evaluate
 
 QUANTITIES = {
@@ -41,6 +41,8 @@ QUANTITIES = {
     ("slip_torque", "torque"): ("load_torque", "load"),
     ("external_torque", "torque"): ("load_torque", "load"),
 }
+PLANAR = ("force_x", "force_y")
+"""Outputs of elements that are components along an axis."""
 
 
 @dataclass(frozen=True)
@@ -290,8 +292,8 @@ class _Assembly(Kinematics):
             for name, output in outputs.items():
                 if (instance.group, name) in QUANTITIES:
                     quantity, dimension = QUANTITIES[instance.group, name]
-                    label = instance.name.removeprefix("loads.")
-                    yield Report(quantity, label, output.unit, dimension), result[f"out_{name}"]
+                    axis = name[-1] if name in PLANAR else ""
+                    yield Report(quantity, instance.item, output.unit, dimension, axis), result[f"out_{name}"]
             if "out_rolling" in result:
                 rolling[instance.name] = result["out_rolling"], SLOPE in instance.bind.values()
         for phase in self.model.phases:
@@ -317,11 +319,11 @@ class _Assembly(Kinematics):
                     body, fx, fy, self._spin(body, self._reference_acceleration(self.forces))
                 )
             for axis, value in zip("xy", rotate(beta, fx / mass, fy / mass), strict=True):
-                yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member"), value
+                yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member", axis), value
             for axis, value in zip("xy", self.velocity(body), strict=True):
-                yield Report(f"velocity_{axis}", body.name, "m/s", "member"), value
+                yield Report(f"velocity_{axis}", body.name, "m/s", "member", axis), value
             for axis in "xy":
-                yield Report(f"displacement_{axis}", body.name, "m", "member"), self.value[f"{body.name}.{axis}"]
+                yield Report(f"displacement_{axis}", body.name, "m", "member", axis), self.value[f"{body.name}.{axis}"]
         if self.bodies[body.leader or body.name].turning != "held" and body.turning != "point":
             deviation, rate = self.twist(body)
             yield Report("speed", body.name, "rad/s", "rotor"), self.ratio(body) * self.speed + rate

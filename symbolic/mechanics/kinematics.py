@@ -1,4 +1,4 @@
-"""How bodies move, in CasADi: states, and position and rates of every body in its frame and against the ground."""
+"""Kinematics in CasADi: states, position and rates of every body in its frame and against the ground."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -33,7 +33,7 @@ class Kinematics:
         moving = [(body, axis) for body in self.model.bodies for axis in self.axes(body)]
         lead = next((body for body in self.model.bodies if body.turning == "reference"), None)
         if self.model.reference != "rest":
-            yield State("reference.angle", "rad", lead.name if lead else "", "theta", "")
+            yield State("reference.angle", "rad", lead.name if lead else "", "theta", "", "reference angle")
         for body, axis in moving:
             yield State(
                 f"{body.name}.{axis}",
@@ -41,12 +41,13 @@ class Kinematics:
                 body.name,
                 axis,
                 self._inertia(body, axis),
+                "deviation",
             )
         if lead is not None:
-            yield State("reference.speed", "rad/s", lead.name, "theta", lead.inertia or "")
+            yield State("reference.speed", "rad/s", lead.name, "theta", lead.inertia or "", "reference speed")
         for body, axis in moving:
             unit = "rad/s" if axis == "u" else "m/s"
-            yield State(f"{body.name}.{axis}.rate", unit, body.name, axis, self._inertia(body, axis))
+            yield State(f"{body.name}.{axis}.rate", unit, body.name, axis, self._inertia(body, axis), "rate")
 
     @staticmethod
     def axes(body: Body) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""SymPy -> CasADi: expressions become graphs by a memoised walk; whatever is not known is refused."""
+"""Lowering of SymPy expressions to CasADi graphs; whatever is not known is refused."""
 
 from collections.abc import Callable, Sequence
 from functools import cache

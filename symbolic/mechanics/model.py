@@ -1,4 +1,4 @@
-"""Second stage's value: the Model, what the scene's effects call for and nothing else.
+"""Model: bodies, element instances and parameters that a scene's effects call for.
 
 A model is structure (bodies, element instances, levels, load signals) plus numbers (parameters, tables over
 time). Structure is baked into the C; numbers stay parameters, and tables are read while the C runs. Nothing
@@ -8,7 +8,7 @@ here needs SymPy, so a model whose C is already in the store is ready without de
 import json
 from dataclasses import dataclass, field
 
-from ltcgear.generated.contract import Clock, Signal
+from ltcgear.generated.contract import PHYSICAL, Clock, Signal
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 UNSHAPED = ("title", "name", "effects", "statics", "tables")
@@ -16,17 +16,16 @@ UNSHAPED = ("title", "name", "effects", "statics", "tables")
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
 HOLD = "hold."
 """How the parameters begin that hold a regime while an integrator is under way; 0 lets the state decide."""
-VARYING = "phase.varying"
-"""Parameter: 1 in every run; 0 where profiles over the mesh phase shall be their means."""
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of the model: dotted name, SI value, SI unit."""
+    """A number of the model: dotted name, SI value, SI unit, and one of the contract's roles."""
 
     name: str
     value: float
     unit: str
+    role: str = PHYSICAL
 
 
 @dataclass(frozen=True)
@@ -57,6 +56,8 @@ class Body:
         The body on which it sits at its place, turning about that body's centre with it.
     moment
         Parameter names of mass times offset of what sits on it [kg m], at angle zero; None where balanced.
+    part
+        What it is in its stage, ``""`` for a point of another body.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Body:
     leader: str | None = None
     seat: str | None = None
     moment: tuple[str, str] | None = None
+    part: str = ""
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,7 @@ class Instance:
     ``bind`` maps the element's parameter names to parameter names of the model, or to ``@level`` (the
     mesh's stiffness level), ``@phase`` (its phase), ``@turn`` (how far the frame has turned) and ``@basis``;
     or to the mesh's ``@stiffness`` at its phase and that one's ``@slope``, its ``@error`` and ``@error_rate``.
+    ``family`` is the name that equal connections of the train share, ``""`` of what is no connection of its own.
     """
 
     name: str
@@ -86,6 +89,12 @@ class Instance:
     element: tuple[str | bool, ...]
     bodies: tuple[str, ...]
     bind: dict[str, str]
+    family: str = ""
+
+    @property
+    def item(self) -> str:
+        """Return the item of its outputs."""
+        return self.name.removeprefix("loads.")
 
 
 @dataclass(frozen=True)
@@ -167,7 +176,7 @@ class Model:
     def structure(self) -> str:
         """Return all that shapes the C, as canonical JSON: no title, no number."""
         shape = {key: value for key, value in vars(self).items() if key not in UNSHAPED}
-        shape["parameters"] = [(p.name, p.unit) for p in self.parameters]
+        shape["parameters"] = [(p.name, p.unit, p.role) for p in self.parameters]
         return json.dumps(shape, sort_keys=True, separators=(",", ":"), default=vars)
 
     def values(self) -> dict[str, float]:

@@ -1,4 +1,4 @@
-r"""Quantities over the mesh phase tau [cycles], as CasADi functions of tau and a few numbers.
+r"""Profiles over the mesh phase tau [cycles], as CasADi functions of tau and a few numbers.
 
 All have the period of a tooth pitch (``tooth``: of the gear's turns) and are written by their distance from
 the middle of a contact, wrapped to half a pitch either way, so that wrapping never falls where they vary.

@@ -1,4 +1,4 @@
-"""Changes: values put in place of a scene's, by dotted key, as ``--set`` and the points of a sweep do."""
+"""Changes of a scene by dotted key, as ``--set`` and the points of a sweep make them."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""Defects in the scene's own words: what pydantic finds, as lines of key, reason and cure, for one message."""
+"""Messages about defects of a scene: key, reason and cure of what validation finds."""
 
 import re
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""First stage: a TOML file (or a Python builder) becomes a frozen Scene; all defects are told at once."""
+"""Scene files: TOML, or what the Python builder made, becomes a frozen Scene; all defects are told at once."""
 
 import json
 import re

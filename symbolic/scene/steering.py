@@ -1,4 +1,4 @@
-"""Steering: loads that are numbers become loads over time, so that somebody else can lead them while the C runs."""
+"""Steered loads: constant loads become loads over time, which another program sets while the C runs."""
 
 from ..schema.scene_schema import Scene
 from ..schema.series import Pairs

@@ -1,4 +1,4 @@
-"""Gaps and errors of gears: how large they may be beside the teeth that they belong to.
+"""Bounds of backlash and tooth errors beside the size of the teeth.
 
 A tooth is pi / 2 modules thick at its reference circle, and two of them work 2 modules deep. The coarsest grade of
 ISO 1328-1 allows pitch and profile deviations of about a tenth of a module (grade 12, from module 0.5 mm on); beyond

@@ -1,4 +1,4 @@
-"""TOML within bounds: what makes a parser take longer than in proportion is found by one scan before it runs."""
+"""TOML parsing with bounds: text that would take a parser too long is refused by a scan before it runs."""
 
 import re
 import tomllib

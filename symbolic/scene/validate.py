@@ -1,4 +1,4 @@
-"""What the schema cannot see: names that refer to nothing, gears that cannot mesh, motion that is open."""
+"""Validation across tables: names that refer to nothing, gears that cannot mesh, motion that is undetermined."""
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial

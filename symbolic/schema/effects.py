@@ -1,4 +1,4 @@
-"""The one table of effects: it feeds scene validation, advice, costs, the command line, the docs and the builder."""
+"""Table of effects: feeds validation, warnings, costs, the command line, the docs and the builder."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What tables of a scene are made of: strict keys, and numbers written as text with a unit."""
+"""Quantities of a scene's tables: strict keys, and numbers as text with a unit."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Ranges: between which sizes a quantity of a gearbox lies, from gears of a micrometre to the largest machines.
+"""Ranges of sizes that a gearbox can have, from micrometres to the largest machines.
 
 Assumed, with some orders of magnitude of room on both sides: they are there for slips of units and exponents.
 """

@@ -1,4 +1,4 @@
-"""Tables of pairs: written in the scene itself, or in a CSV file beside it; kept as numbers in SI."""
+"""Tables of pairs, in the scene itself or in a CSV file beside it, in SI."""
 
 import csv
 import re

@@ -1,4 +1,4 @@
-"""Files and pipes: their bytes, read once, bounded in size and in patience."""
+"""Input files and pipes: read once, bounded in size and time."""
 
 import os
 import select

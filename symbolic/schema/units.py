@@ -1,4 +1,4 @@
-"""Quantities as text: "16 mm", "15 rpm", "5.02e9 N/m"; a number without its unit is refused.
+"""Units: quantities as text such as "16 mm" or "5.02e9 N/m"; a number without its unit is refused.
 
 The registry is our own short one: angle is a dimension of its own, so that Hz is not rad/s and
 N m is not N m/rad; and nothing in it can be anything but a unit.

@@ -1,4 +1,4 @@
-r"""Transcription: the printed equations of Wu et al. 2021, misprints included.
+r"""Printed equations of Wu et al. 2021, misprints included.
 
 One representative planet stands for the sum over i. A prime is a time derivative, so ``d_PS'`` is the
 printed :math:`\dot d_{PS}^i`. Every row is kept as term groups whose sum is lhs - rhs = 0; products with a

@@ -1,4 +1,4 @@
-"""Letters: the symbols of the paper, by the names that they have in print; indices mixed there stay mixed."""
+"""Symbols of the paper, by the names that they have in print."""
 # ruff: noqa: N816 - the paper's letters
 
 import sympy as sp

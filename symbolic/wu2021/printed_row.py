@@ -1,4 +1,4 @@
-"""Row: one printed scalar equation as term groups, as text, and in numbers."""
+"""Printed equation: one scalar row as term groups, as text, and in numbers."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Slips of the pen: the edits that put a printed expression right, and what each slip does."""
+"""Misprints: the edits that put a printed expression right, and what each misprint does."""
 # ruff: noqa: I001 - so many letters on few lines
 
 from collections.abc import Callable, Mapping

@@ -10,7 +10,19 @@ from pathlib import Path
 
 import pytest
 from ltcgear.generated import store
-from ltcgear.generated.contract import FORMAT, Artifact, Clock, Manifest, Report, Signal, Signature, State
+from ltcgear.generated.contract import (
+    FORMAT,
+    PHYSICAL,
+    Artifact,
+    Clock,
+    Connection,
+    Manifest,
+    Report,
+    RigidBody,
+    Signal,
+    Signature,
+    State,
+)
 from ltcgear.generated.errors import CompileError, MachineError
 
 C = "double answer(void) { return 42.0; }\n"
@@ -45,11 +57,14 @@ GRAPHS = "graphs of any kind, µ, long enough to be cut in the middle and still 
 def artifact():
     signature = Signature((("x", 2, 1), ("p", 1, 1)), (("xdot", 2, 1),), 2, 7)
     manifest = Manifest(
-        store.digest([C, GRAPHS]), "rest", (State("a.u", "rad", "a", "u", "a.inertia"),), ("m.1",),
+        store.digest([C, GRAPHS]), "rest", (State("a.u", "rad", "a", "u", "a.inertia", "deviation"),), ("m.1",),
         (("a.inertia", "kg*m^2"),),
         (Report("speed", "a", "rad/s", "rotor"),), {"rhs": signature}, "3.8.2",
         (Signal("reference.acceleration", "rad/s^2", "loads.m.speed_over_time", True),),
         ("hold.m.1",), (Clock("m.1.phase", "m.teeth_1", "a.speed_ratio", "", ("m.tooth_error_0.teeth",), "m.1"),),
+        (RigidBody("a", "m", "input", "m.carrier", ("a.x_0", "a.y_0"), "a.speed_ratio", "", "a.inertia", "m.r_1"),),
+        (Connection("m.1.back", "m", "mesh", "m.1.back", ("a", "b"), ("m.k",), "m.c", "hold.m.1.back", -1, True),),
+        {"a.inertia": PHYSICAL},
     )  # fmt: skip
     return Artifact(C, manifest, GRAPHS)
 

@@ -42,7 +42,7 @@ def error_of(result, mesh, *definition):
 
 def without_radii(result, definition):
     """Find a transmission error where the result lacks the parameters."""
-    return find_transmission_error(result.dataset.drop_vars("parameter_value"), MESH, definition)
+    return find_transmission_error(result.dataset.drop_attrs(), MESH, definition)
 
 
 def turned(result, factor):

@@ -1,5 +1,6 @@
 """Load shares, transmission errors, durations, rainflow cycles, bearings and orbits, against closed forms."""
 
+import json
 import sys
 
 import numpy as np
@@ -66,12 +67,19 @@ def test_groups_without_shares_are_refused():
 # --- transmission error
 
 
+def sheet(name, one, two, sense, flank, radii, *others):
+    """Write the sheet of a stage with one mesh."""
+    stage = name.partition(".")[0]
+    mesh = {"name": name, "stage": stage, "one": one, "two": two, "sense": sense, "flank": flank, "radii": radii}
+    discs = [{"body": body, "stage": stage, "part": body.split(".")[1]} for body in (one, two, *others)]
+    return {"sheet": json.dumps({"discs": discs, "meshes": [mesh]})}
+
+
 def pair(twist_1, twist_2, deflection=0.0, flank=1.0):
-    parameters = {"psh.mesh.base_radius_1": 0.25, "psh.mesh.base_radius_2": 0.1, "psh.mesh.flank": flank}
     return result(
-        TIME, parameters, mesh_deflection={"psh.mesh": deflection}, mesh_phase={"psh.mesh": 100.0 * TIME},
+        TIME, {}, mesh_deflection={"psh.mesh": deflection}, mesh_phase={"psh.mesh": 100.0 * TIME},
         twist={"psh.input": twist_1, "psh.output": twist_2},
-    )  # fmt: skip
+    ).assign_attrs(sheet("psh.mesh", "psh.input", "psh.output", 1, flank, [0.25, 0.1]))  # fmt: skip
 
 
 def test_an_eccentric_gear_shows_once_a_turn():
@@ -98,12 +106,11 @@ def test_by_angles_and_by_deflection(flank):
 def test_a_planets_angles_are_those_against_the_carrier():
     """A carrier that winds up and takes all with it changes nothing."""
     wound = 0.7 * WAVE
-    parameters = {
-        f"s.ring_planet.{key}": v for key, v in (("base_radius_1", 0.9), ("base_radius_2", 0.3), ("flank", 1))
-    }
     dataset = result(
-        TIME, parameters, mesh_deflection={"s.ring_planet.2": 0.0},
+        TIME, {}, mesh_deflection={"s.ring_planet.2": 0.0},
         twist={"s.carrier": wound, "s.ring": wound + 1e-4, "s.planet.2": wound + 2e-4},
+    ).assign_attrs(
+        sheet("s.ring_planet.2", "s.ring", "s.planet.2", -1, 1.0, [0.9, 0.3], "s.carrier")
     )  # fmt: skip
     found = find_transmission_error(dataset, "s.ring_planet.2", "angles")
     assert found.value == pytest.approx(0.9e-4 - 0.3 * 2e-4)
@@ -111,7 +118,7 @@ def test_a_planets_angles_are_those_against_the_carrier():
 
 
 def test_transmission_errors_that_cannot_be_known_are_refused():
-    bare = pair(0.0, 0.0).drop_vars("parameter_value")
+    bare = pair(0.0, 0.0).drop_attrs()
     with pytest.raises(LtcgearError, match="does not hold the base radii"):
         find_transmission_error(bare, "psh.mesh", "angles")
     with pytest.raises(LtcgearError, match=r"hsp.mesh: no such mesh; there are psh.mesh"):

@@ -5,7 +5,6 @@ import pytest
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.simulation.choose_method import (
     GROWTH,
-    SEGMENT,
     TIMES,
     choose,
     excited_rates,
@@ -14,6 +13,7 @@ from ltcgear.runtime.simulation.choose_method import (
     step_operations,
 )
 from ltcgear.runtime.simulation.duty import list_duty
+from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.simulation.simulate import simulate
 
 from . import butcher, exact
@@ -43,7 +43,7 @@ def operations(c, method, rtol):
     path = c.run(method=method, rtol=rtol, t_end=0.1)
     assert path.status == "done"
     step = dict(zip(("erk", "rosenbrock"), step_operations(c.library), strict=True))[method]
-    return (path.counts.steps + path.counts.rejected) * step + path.counts.segments * SEGMENT[method]
+    return (path.counts.steps + path.counts.rejected) * step + path.counts.segments * METHODS[method].segment_operations
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6])

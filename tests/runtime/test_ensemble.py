@@ -215,9 +215,9 @@ def test_runs_that_nobody_waits_for_are_stopped(monkeypatch):
 PROGRAM = """
 import sys
 from ltcgear.runtime import build, simulate_many
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 model = build_model(load_scene("lsp"))
 library = build(obtain(model))
 options = {"t_end": 100.0, "rate": 8192.0, "method": sys.argv[1], "told": lambda time: print("running", flush=True)}

@@ -6,14 +6,14 @@ import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.simulation import method_limits
 from ltcgear.runtime.simulation.ensemble import simulate_many
-from ltcgear.runtime.simulation.methods.segment_methods import METHODS, OPTIONAL
+from ltcgear.runtime.simulation.methods.registry import AUTO, METHODS
 from ltcgear.runtime.simulation.recording import record
-from ltcgear.runtime.simulation.simulate import AUTO, simulate
+from ltcgear.runtime.simulation.simulate import simulate
 
 from .models import case
 
 OPTIONS = {"t_end": 1.0, "rate": 8192.0}
-OWN = [AUTO, *(method for method in METHODS if method not in OPTIONAL)]
+OWN = [AUTO, *(name for name, method in METHODS.items() if method.package is None)]
 FAST, LIGHT = {"reference.speed": 4e13}, {"psh.output.inertia": 2e-10}
 STIFF = {"psh.input.bearing.stiffness": 1e20, "psh.input.bearing.damping": 0.0}
 

@@ -4,7 +4,7 @@ import re
 
 import pytest
 from ltcgear.runtime.cli.testing import open_bench
-from ltcgear.runtime.simulation.methods.segment_methods import METHODS
+from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.studies.selftest.cases import CASES as LISTED
 from ltcgear.runtime.studies.selftest.suite import run_case
 

@@ -15,8 +15,8 @@ from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.dense_output import Chebyshev, Uniform
 from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.runtime.simulation.integration import integrate
-from ltcgear.runtime.simulation.methods import segment_methods
-from ltcgear.runtime.simulation.methods.segment_methods import METHODS, MULTISTEP
+from ltcgear.runtime.simulation.methods import stepper
+from ltcgear.runtime.simulation.methods.registry import METHODS
 from scipy.linalg import expm
 
 from . import exact
@@ -28,7 +28,7 @@ def residual(c, path, at=None):
     return abs(energy_residual(c.library, c.p, at or c.at, path))
 
 
-INTERPOLATION = {"erk": 3e-6, "rosenbrock": 3e-6} | dict.fromkeys(MULTISTEP, 1e-6)
+INTERPOLATION = {"erk": 3e-6, "rosenbrock": 3e-6} | {name: 1e-6 for name, method in METHODS.items() if method.multistep}
 """What reading between the nodes of a segment may cost, whatever the tolerance."""
 
 
@@ -283,7 +283,7 @@ def test_stiffness_that_varies_faster_than_any_mode_swings_is_resolved():
 
 
 def test_a_failing_solver_is_a_status(monkeypatch):
-    monkeypatch.setattr(segment_methods, "MOST_STEPS", 2)
+    monkeypatch.setattr(stepper, "MOST_STEPS", 2)
     path = case("psh").run(method="cvodes", rtol=1e-8)
     assert path.status.startswith("cvodes stopped at t = ")
     assert "rtol 1e-08" in path.status
@@ -294,7 +294,7 @@ def test_a_failing_solver_is_a_status(monkeypatch):
 
 @pytest.mark.parametrize("method", ["erk", "cvodes", "idas", "rosenbrock"])
 def test_gears_pulled_into_each_other_stop_the_run_and_keep_the_data(monkeypatch, method):
-    monkeypatch.setattr(segment_methods, "MOST_STEPS", 10_000)
+    monkeypatch.setattr(stepper, "MOST_STEPS", 10_000)
     # On the wrong flank the mesh pulls 1.18e5 N; soft bearings let the base circles meet after some milliseconds.
     soft = [f'stages.psh.{part}.bearing.stiffness = "1e6 N/m"' for part in ("input", "output")]
     c = case("psh", *soft, 'stages.psh.mesh.flank = "printed"')

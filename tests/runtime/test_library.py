@@ -26,7 +26,8 @@ from ltcgear.generated.errors import CompileError
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.smooth_arc import Frame
-from ltcgear.runtime.simulation.methods.segment_methods import make_stepper
+from ltcgear.runtime.simulation.methods.registry import ROSENBROCK
+from ltcgear.runtime.simulation.methods.stepper import SegmentProblem
 
 made = store.get("one")
 p = np.ones(len(made.manifest.parameters))
@@ -38,7 +39,7 @@ store._compile = lambda command, c, target: (compiled.append(target), real(comma
 def whole(library):
     n = len(library.manifest.states)
     frame = Frame(np.zeros(n), np.ones(n))
-    stepper = make_stepper(library, "rosenbrock", 1e-6, frame, p, np.array([1.0]), None)
+    stepper = ROSENBROCK.make(SegmentProblem(library, p, 1e-6, frame, np.array([1.0]), None))
     arc = stepper.advance(np.zeros(n), 1e-3, np.zeros(n), np.zeros(len(library.manifest.levels)))
     z = arc.z[1:]
     assert np.isfinite(z).all() and stepper.counts.steps > 0

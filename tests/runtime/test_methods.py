@@ -1,14 +1,20 @@
 """All methods side by side: the exact solution at tight tolerance, switchings in both directions, refusals."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model.load_tables import Signals
 from ltcgear.runtime.simulation.driver import LONGEST, March
-from ltcgear.runtime.simulation.methods import segment_methods
-from ltcgear.runtime.simulation.methods.segment_methods import METHODS
-from ltcgear.runtime.simulation.methods.sundials7 import STENCIL, interpolate
+from ltcgear.runtime.simulation.event_functions import Watch
+from ltcgear.runtime.simulation.methods import registry
+from ltcgear.runtime.simulation.methods.registry import METHODS
+from ltcgear.runtime.simulation.methods.stepper import Counts, SegmentProblem
+from ltcgear.runtime.simulation.methods.sundials7 import STENCIL, SundaeStepper, interpolate
 from ltcgear.runtime.simulation.simulate import check_options
+from ltcgear.runtime.simulation.smooth_arc import Frame
+from ltcgear.runtime.studies.accuracy.reference import reference_methods
 
 from . import exact
 from .models import case
@@ -49,21 +55,14 @@ def test_sundae_finds_the_switchings_by_itself(monkeypatch):
     # Told nothing but the longest segment, it ends its arcs at the instants of kinematics.
     c = case("psh", *exact.SETTINGS)
     told = []
-    advance = segment_methods.METHODS and March.__init__.__globals__["make_stepper"]
+    real = SundaeStepper.advance
 
-    def watched(*args):
-        made = advance(*args)
-        real = made.advance
+    def noted(self, z, duration, *rest):
+        arc = real(self, z, duration, *rest)
+        told.append((duration, arc.duration))
+        return arc
 
-        def noted(z, duration, *rest):
-            arc = real(z, duration, *rest)
-            told.append((duration, arc.duration))
-            return arc
-
-        made.advance = noted
-        return made
-
-    monkeypatch.setitem(March.__init__.__globals__, "make_stepper", watched)
+    monkeypatch.setattr(SundaeStepper, "advance", noted)
     path = c.run(method="sundae", rtol=1e-8, t_end=0.02)
     ends = np.cumsum([found for _, found in told])
     wanted = exact.Train(c.scene).switchings(0.02)[0]
@@ -100,7 +99,7 @@ def test_values_between_steps_are_those_of_a_polynomial():
 
 
 def test_a_method_whose_package_is_missing_is_refused(monkeypatch):
-    monkeypatch.setattr(segment_methods, "find_spec", lambda name: None)
+    monkeypatch.setattr(registry, "find_spec", lambda name: None)
     check_options("erk", 1e-6)
     with pytest.raises(LtcgearError, match=r"pip install 'ltcgear\[sundae\]'") as refused:
         check_options("sundae", 1e-6)
@@ -128,3 +127,15 @@ def test_a_segment_that_its_nodes_do_not_resolve_is_integrated_again():
     left_out = np.abs(march.nodes.last_terms @ path).max(axis=0) / np.maximum(np.abs(path).max(axis=0), 1.0)
     assert resolving <= duration < 60 * resolving
     assert left_out.max() <= 1e-6
+
+
+def test_every_integrator_is_one_record_that_makes_its_stepper():
+    c = case("psh")
+    frame, watch = Frame(c.at.x, np.ones(len(c.at.x))), Watch(SimpleNamespace(index=()), None, c.p, np.zeros(0))
+    problem = SegmentProblem(c.library, c.p, 1e-6, frame, np.array([1.0]), watch)
+    for name, method in METHODS.items():
+        made = method.make(problem)
+        assert method.name == name
+        assert (made is None) == method.in_march
+        assert made is None or (made.counts == Counts() and made.last == 0.0)
+    assert reference_methods() == ["erk", "rosenbrock", "cvodes", "idas", "adams"]

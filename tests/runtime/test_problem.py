@@ -10,7 +10,7 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import Library, external
-from ltcgear.runtime.simulation.methods import segment_methods
+from ltcgear.runtime.simulation.methods import stepper
 from ltcgear.runtime.simulation.methods.c_problem import compiled_problem, layout, problem_c, scaled_problem
 
 from .models import case
@@ -99,7 +99,7 @@ def test_a_failure_names_its_cause_and_leaves_the_next_run_unharmed(monkeypatch,
     c = case("psh")
     whole = c.run(method=method, rtol=1e-5, t_end=0.02)
     with monkeypatch.context() as patch:
-        patch.setattr(segment_methods, "MOST_STEPS", most)
+        patch.setattr(stepper, "MOST_STEPS", most)
         assert cause in c.run(method=method, rtol=1e-5, t_end=0.02).status
     again = c.run(method=method, rtol=1e-5, t_end=0.02)
     assert again.counts == whole.counts

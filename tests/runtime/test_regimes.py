@@ -5,7 +5,7 @@ import pytest
 from ltcgear.generated.contract import HELD
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.simulation.energy_balance import energy_residual
-from ltcgear.runtime.simulation.methods.segment_methods import METHODS
+from ltcgear.runtime.simulation.methods.registry import METHODS
 
 from .models import case
 

@@ -1,12 +1,16 @@
 """The stage view's geometry, against statics: arrows push as torques and bearings say, and teeth stand in gaps."""
 
+import json
 from base64 import b64decode
 from math import cos, sin, tau
 
 import numpy as np
 import pytest
+from ltcgear.generated.contract import BACK
+from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.view.report.film import choose_windows, magnify, make_track, pack
-from ltcgear.runtime.view.report.panels import BACK, ENDS, make_panels, nice
+from ltcgear.runtime.view.report.page import _motion as move
+from ltcgear.runtime.view.report.panels import make_panels, nice
 from ltcgear.runtime.view.report.stage import arrow, pose_stage, transform
 
 from reports import load_run
@@ -97,7 +101,7 @@ def test_teeth_stand_in_gaps(rig, sample):
     for panel in panels:
         for contact in panel.contacts:
             one, two = wheel(panel, contact.one), wheel(panel, contact.two)
-            sigma = ENDS[contact.name.split(".")[1]][1]
+            sigma = -1 if one.part == "ring" else 1
             gamma = track.angle(panel.frame, sample) + np.arctan2(two.y - one.y, two.x - one.x)
             facing = gamma + (np.pi if sigma > 0 else 0)
             beyond = (gamma - track.angle(one.body, sample) - one.offset) * one.teeth / tau
@@ -139,7 +143,7 @@ def test_the_bearing_of_the_output_takes_what_its_mesh_pushes(rig):
         for contact in panel.contacts:
             one, two = wheel(panel, contact.one), wheel(panel, contact.two)
             along = (two.x - one.x) * cos(contact.direction) + (two.y - one.y) * sin(contact.direction)
-            assert along * ENDS[contact.name.split(".")[1]][1] > 0, contact.name
+            assert along * (-1 if one.part == "ring" else 1) > 0, contact.name
 
 
 def test_other_flanks_push_the_other_way(tmp_path_factory):
@@ -200,3 +204,13 @@ def test_poses_are_drawn_with_y_up():
     assert arrow(20.0).startswith("M0 0H13.00M20.00 0l-7.00")
     assert arrow(-20.0).startswith("M0 0H-13.00M-20.00 0l7.00")
     assert [nice(v) for v in (0.7, 1.0, 4.9, 5.0, 230.0, 0.0, float("nan"))] == [0.5, 1.0, 2.0, 5.0, 200.0, 1.0, 1.0]
+
+
+def test_a_result_without_its_meshes_is_refused_in_one_sentence(rig):
+    """Results of before the sheet told the train: everything but their stage view can still be read."""
+    dataset = rig[0].dataset.copy()
+    sheet = json.loads(dataset.attrs["sheet"])
+    del sheet["meshes"]
+    dataset.attrs["sheet"] = json.dumps(sheet)
+    with pytest.raises(LtcgearError, match=r"the result's drawing does not fit its data: 'meshes' is missing"):
+        move(dataset)

@@ -17,7 +17,7 @@ from ltcgear.runtime.results.checkpoint import checkpoint_of
 from ltcgear.runtime.results.result import load
 from ltcgear.runtime.results.row_file import part_of, read_part
 from ltcgear.runtime.simulation import integration, recording
-from ltcgear.runtime.simulation.methods.segment_methods import METHODS
+from ltcgear.runtime.simulation.methods.registry import METHODS
 
 from .models import case, make_case
 from .test_loads import shaft, torque

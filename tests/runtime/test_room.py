@@ -21,9 +21,9 @@ from pathlib import Path
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.room import bytes_in_memory
 from ltcgear.runtime.simulation import simulate
-from ltcgear.symbolic.build import build_model
-from ltcgear.symbolic.pipeline import obtain
-from ltcgear.symbolic.scene import load_scene
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.pipeline import obtain
+from ltcgear.symbolic.scene.load import load_scene
 model = build_model(load_scene(sys.argv[1]))
 library, options = build(obtain(model)), {"method": "erk", "rtol": 1e-3, "tables": model.tables}
 peak = lambda: 1024 * int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1])

@@ -12,7 +12,7 @@ from ltcgear.runtime.results.result import load
 from ltcgear.runtime.results.row_file import part_of
 from ltcgear.runtime.simulation import integration, sampling
 from ltcgear.runtime.simulation.low_pass import passing_speed
-from ltcgear.runtime.simulation.methods import segment_methods
+from ltcgear.runtime.simulation.methods import stepper
 from ltcgear.runtime.simulation.output_reader import Reader, join_rows
 from ltcgear.runtime.simulation.recording import Recorder, record
 from ltcgear.runtime.simulation.sampling import join
@@ -77,7 +77,7 @@ def test_a_streamed_result_is_the_one_in_memory(tmp_path, monkeypatch, settings,
 
 def test_a_failed_run_keeps_its_samples_and_leaves_nothing_to_go_on_from(tmp_path, monkeypatch):
     c = case("psh")
-    monkeypatch.setattr(segment_methods, "MOST_STEPS", 2)
+    monkeypatch.setattr(stepper, "MOST_STEPS", 2)
     summary = write(c, tmp_path / "a.nc", method="cvodes")
     assert summary["status"].startswith("cvodes stopped at t = ")
     found = load(tmp_path / "a.nc").dataset
@@ -145,7 +145,7 @@ def test_blocks_of_any_size_read_alike(raw):
 def test_few_samples_are_those_of_many(monkeypatch):
     c = case("psh", SMOOTH)
     many = c.run(method="erk", rtol=1e-8, rate=20e3, t_end=0.8)
-    monkeypatch.setattr(segment_methods, "MOST_STEPS", 20_000)
+    monkeypatch.setattr(stepper, "MOST_STEPS", 20_000)
     few = c.run(method="erk", rtol=1e-8, rate=2.5, t_end=0.8)
     assert few.status == "done"
     assert few.counts.steps > 3 * 20_000  # so many that no engine goes from sample to sample at once

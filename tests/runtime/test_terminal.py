@@ -78,7 +78,7 @@ def test_no_command_prints_what_acts(capsys):
         lambda: printed.paper_verdicts({"equations": [verdict]}),
         lambda: printed.checks({"checks": [check]}),
         lambda: printed.generated({"files": [EVIL], "library": EVIL, "ops": {EVIL: 1}, "seconds": {}}),
-        lambda: modes_printed.modes(modes),
+        lambda: modes_printed.modes(modes, {name: name for name in mode["members"]}),
         lambda: resonance_printed.campbell(campbell | {"values": [0.0, 1.0], "unit": "1", "home": 1.0}),
         lambda: book_printed.book(book | {"scene": EVIL, "file": EVIL, "key": EVIL}),
         lambda: printed.costs({"variants": [variant]}),

@@ -6,7 +6,7 @@ import casadi as ca
 import numpy as np
 from ltcgear.runtime.export.fmu.binary import compile_fmu
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.simulation.methods.segment_methods import whole_c
+from ltcgear.runtime.simulation.methods.casadi import whole_c
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.c_text import c_text
 from ltcgear.symbolic.emit.pipeline import generate
@@ -35,5 +35,5 @@ def test_no_temporary_folder_is_needed(monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", None)
     monkeypatch.setenv("TMPDIR", "/nowhere")
     library = build(generate(build_model(make_scene(raw))))
-    assert "ltcgear_tally" in whole_c(library, "rosenbrock", np.array([1.0]))
+    assert "ltcgear_tally" in whole_c(library, np.array([1.0]))
     assert compile_fmu({"a.c": "int fmi2Answer(void) { return 42; }\n"}, False)

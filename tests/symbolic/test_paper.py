@@ -10,7 +10,7 @@ from ltcgear.symbolic.checks import paper_grades as grades
 from ltcgear.symbolic.checks.paper_derived import benches
 from ltcgear.symbolic.checks.paper_states import STATES
 from ltcgear.symbolic.wu2021 import EXACT, ROWS, Row, evaluate, exchange
-from ltcgear.symbolic.wu2021 import letters as paper
+from ltcgear.symbolic.wu2021 import printed_letters as paper
 
 VERDICTS = {(v.equation, v.row): v for v in check.check_paper()}
 BY_KEY = {(row.equation, row.label): row for row in ROWS}

@@ -5,16 +5,16 @@ import math
 from typing import Annotated
 
 import pytest
-from ltcgear.symbolic.schema.scene_schema import Table
+from ltcgear.symbolic.schema.quantities import SceneTable
 from ltcgear.symbolic.schema.series import LARGEST_FILE, MOST_ROWS, MOST_TOLD, Pairs, Series
 from pydantic import ValidationError
 
 
-class Gust(Table):
+class Gust(SceneTable):
     torque: Annotated[Pairs, Series("s", "N*m")]
 
 
-class Curve(Table):
+class Curve(SceneTable):
     share: Annotated[Pairs, Series("", "m")]
 
 

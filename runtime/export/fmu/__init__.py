@@ -1,1 +1,1 @@
-"""FMU: a scene as one file for other simulation programs, by the standards FMI 2.0 and 3.0."""
+"""FMU: a scene as one file for other simulation programs (FMI 2.0 and 3.0)."""

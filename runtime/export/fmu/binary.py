@@ -1,4 +1,4 @@
-"""Binary: the C of an FMU compiled for whatever Linux machine of this kind."""
+"""Binary of an FMU: its C compiled for Linux machines of this kind."""
 
 import platform
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Description: modelDescription.xml and buildDescription.xml, by FMI 2.0 and 3.0."""
+"""Model description of an FMU: modelDescription.xml and buildDescription.xml."""
 
 import re
 import xml.etree.ElementTree as ET

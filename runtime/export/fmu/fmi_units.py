@@ -1,4 +1,4 @@
-"""Units as exponents of the base units of FMI."""
+"""Units of FMI: exponents of its base units."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Names by the structured convention of FMI: ``lsp.planet[2].x``."""
+"""Variable names of FMI by its structured convention: ``lsp.planet[2].x``."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Package: an FMU, one file with description, C and binary."""
+"""FMU file: description, C and binary put together."""
 
 import zipfile
 from collections.abc import Mapping, Sequence

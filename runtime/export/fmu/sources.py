@@ -1,4 +1,4 @@
-"""Sources: the C of an FMU."""
+"""C sources of an FMU."""
 
 from collections.abc import Iterable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Variables: what an importer sees of a model, in the order of the value references."""
+"""Variables of an FMU, in the order of their value references."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence

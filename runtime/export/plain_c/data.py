@@ -1,4 +1,4 @@
-"""Data: a scene's numbers and names as C, ``data.c``, which defines ``ltcgear_scene``."""
+"""Scene data in plain C: numbers and names in ``data.c``, which defines ``ltcgear_scene``."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,14 +1,14 @@
-"""Kit: the C that is the same for all scenes, and goes with ``model.c`` and ``data.c``."""
+"""Integration in plain C: the files that are the same for all scenes."""
 
 from functools import cache
 from pathlib import Path
 
 from ltcgear.generated.contract import HELD
 
-from ...model import continuation, equilibrium, vibration_scale
+from ...model import continuation, energy_levels, equilibrium
 from ...model.cstruct import FAULTS, FIELDS, SOURCES, source
 from ...simulation import contact_events, driver, method_limits
-from ...simulation.methods import segment_methods
+from ...simulation.methods import stepper
 
 PARTS = (
     "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "saving.c", "advance.c",
@@ -23,8 +23,8 @@ HEAD = """/* The integration of a gearbox that ltcgear has turned into C, see lt
 """
 CONSTANTS = {
     "SHORTEST": driver.SHORTEST, "LONGEST": driver.LONGEST, "FINEST": driver.FINEST,
-    "MOST_STEPS": segment_methods.MOST_STEPS,
-    "SLACK": contact_events.SLACK, "HELD": HELD, "LOADED": vibration_scale.LOADED, "UNLOADED": vibration_scale.UNLOADED,
+    "MOST_STEPS": stepper.MOST_STEPS,
+    "SLACK": contact_events.SLACK, "HELD": HELD, "LOADED": energy_levels.LOADED, "UNLOADED": energy_levels.UNLOADED,
     "ROUNDED": equilibrium.ROUNDING, "SETTLED": equilibrium.SETTLED, "LOOSENESS": equilibrium.LOOSE,
     "OPENNESS": equilibrium.OPEN, "FIRST_PART": continuation.FIRST, "SMALLEST_PART": continuation.SMALLEST,
     "PART_GROWTH": continuation.GROWTH, "REACH": method_limits.REACH,

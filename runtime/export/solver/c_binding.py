@@ -1,4 +1,4 @@
-"""Callee: the C around a model that a solver of the user's calls, and the one list of what it shares with Python."""
+"""C binding of a model for a solver of the user's."""
 
 import ctypes
 from functools import cache

@@ -1,4 +1,4 @@
-"""Dynamics: a model's right-hand side and Jacobian as functions of time and state, for any solver."""
+"""Right-hand side and Jacobian as functions of time and state, for any solver."""
 
 from collections.abc import Mapping
 from ctypes import ArgumentError

@@ -1,4 +1,4 @@
-"""The scaled problem of a segment: as a graph for CasADi, and as C that calls the compiled model.
+"""Scaled problem of a segment: as a graph for CasADi, and as C that calls the compiled model.
 
 As a graph of calls the problem is interpreted at every step. As C it is not: CasADi's multistep integrators look the
 rates, their Jacobian and the quadrature up by name in the library that defines the problem. That C holds the scaling

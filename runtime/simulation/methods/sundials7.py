@@ -1,4 +1,4 @@
-"""The independent engine: SUNDIALS 7 CVODE by scikit-sundae, on the compiled right-hand side and Jacobian.
+"""SUNDIALS 7 CVODE by scikit-sundae: the independent integrator.
 
 It goes on from arc to arc without a restart, and restarts where the motion's laws change. It is not told where
 a switching is due: its own root finding stops it where a distance of the watch falls to zero.
@@ -15,11 +15,9 @@ from numpy.typing import NDArray
 from sksundae.cvode import CVODE
 
 from ...model.function import Kernel
-from ...model.library import Library
-from ..event_functions import Watch
-from ..smooth_arc import Arc, Frame
+from ..smooth_arc import Arc
 from .c_problem import layout, scaled_problem
-from .segment_methods import CONSTANT, MOST_STEPS, Counts
+from .stepper import CONSTANT, MOST_STEPS, Counts, SegmentProblem
 
 Vector = NDArray[np.float64]
 for level in ("ERROR", "WARNING"):  # SUNDIALS would write to stdout, which is the commands' own
@@ -52,13 +50,14 @@ class SundaeStepper:
 
     finds_borders = True
 
-    def __init__(self, library: Library, rtol: float, frame: Frame, p: Vector, nodes: Vector, watch: Watch) -> None:
-        self.counts, self.last, self.frame, self.nodes, self.watch = Counts(), 0.0, frame, nodes, watch
+    def __init__(self, given: SegmentProblem) -> None:
+        library, frame = given.library, given.frame
+        self.counts, self.last, self.frame, self.nodes, self.watch = Counts(), 0.0, frame, given.nodes, given.watch
         self.levels, self.size = len(library.manifest.levels), len(frame.scale)
         problem = scaled_problem(library, library.functions, ca.MX)
-        given = [problem["t"], problem["x"], problem["p"]]
-        self.rate = Kernel(ca.Function("rate", given, [problem["ode"], problem["quad"]]))
-        jacobian = ca.Function("jacobian", given, [ca.jacobian(problem["ode"], problem["x"])])
+        arguments = [problem["t"], problem["x"], problem["p"]]
+        self.rate = Kernel(ca.Function("rate", arguments, [problem["ode"], problem["quad"]]))
+        jacobian = ca.Function("jacobian", arguments, [ca.jacobian(problem["ode"], problem["x"])])
         self.jacobian = Kernel(jacobian)
         self.entries = tuple(map(np.array, jacobian.sparsity_out(0).get_triplet()))
         self.part: dict[str, Vector] = {}
@@ -68,10 +67,10 @@ class SundaeStepper:
             self.part[name] = parameters[start : start + length]
             start += length
         self.parameters = parameters
-        self.part["duration"][:], self.part["scale"][:], self.part["p"][:] = 1.0, frame.scale, p
+        self.part["duration"][:], self.part["scale"][:], self.part["p"][:] = 1.0, frame.scale, given.p
         self.options = {
-            "rtol": rtol,
-            "atol": np.full(self.size + 1, rtol),
+            "rtol": given.rtol,
+            "atol": np.full(self.size + 1, given.rtol),
             "jacfn": self._jacobian,
             "max_num_steps": MOST_STEPS,
         }

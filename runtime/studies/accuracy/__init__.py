@@ -1,1 +1,1 @@
-"""What accuracy costs in time: bench -> reference -> points (errors, counts, times) -> record -> tables, figures."""
+"""Accuracy against time: errors, counts and times of every method and tolerance, against a reference."""

@@ -1,4 +1,4 @@
-"""Cheapest: the setting that meets an error in the least time."""
+"""Cheapest setting that meets an error."""
 
 from collections.abc import Mapping
 from typing import Any

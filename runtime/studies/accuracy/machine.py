@@ -1,4 +1,4 @@
-"""Machine: what the times of a record were measured with."""
+"""Machine description of a record of times."""
 
 import os
 import platform

@@ -1,4 +1,4 @@
-"""Patience: runs that are given up when they take too long, so that one setting cannot hold up all others."""
+"""Time limits of measured runs."""
 
 from dataclasses import dataclass
 from time import perf_counter

@@ -1,4 +1,4 @@
-"""Phases: what a simulation takes from nothing, and from the store, by a process of its own each."""
+"""Start-up times of a simulation, with and without the store."""
 
 import json
 import os

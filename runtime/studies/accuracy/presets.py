@@ -1,13 +1,12 @@
-"""Presets: how much is measured, and how long the motion is that it is measured on."""
+"""Presets of a measurement: how much is measured, over how long a motion."""
 
 from dataclasses import dataclass
-from importlib.util import find_spec
 
 from ltcgear.generated.errors import LtcgearError
 
 from ...model.function import Kernel
 from ...model.phase_wrapping import TURN, Clocks
-from ...simulation.methods.segment_methods import METHODS, OPTIONAL
+from ...simulation.methods.registry import METHODS
 from ..selftest.case import Bench
 
 
@@ -49,7 +48,7 @@ def check_preset(name: str) -> Preset:
 
 def installed_methods() -> list[str]:
     """Return the methods whose packages are there."""
-    return [method for method in METHODS if method not in OPTIONAL or find_spec(OPTIONAL[method]) is not None]
+    return [name for name, method in METHODS.items() if method.installed]
 
 
 def choose_time(bench: Bench, preset: Preset, rate: float, longest: float) -> float:

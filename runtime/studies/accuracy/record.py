@@ -1,4 +1,4 @@
-"""Record: what was measured, as JSON and CSV, in a folder of the user's and in the store."""
+"""Record of a measurement as JSON and CSV."""
 
 import csv
 import io
@@ -11,7 +11,7 @@ from typing import Any, TypeGuard
 from ltcgear.generated import folders, store
 from ltcgear.generated.errors import LtcgearError
 
-from ...simulation.methods.segment_methods import METHODS
+from ...simulation.methods.registry import METHODS
 from .run_errors import KINDS, value_of
 
 FORMAT = 1

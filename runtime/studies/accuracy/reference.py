@@ -1,4 +1,4 @@
-"""Reference: the motion by two different methods at tight tolerance, and how far they are apart.
+"""Reference motion by two different methods at tight tolerance, and their difference.
 
 Where a model is linear between its jumps, both are compared with the exact motion too.
 """
@@ -11,14 +11,12 @@ from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
 
 from ...simulation.integration import Trajectory
 from ...simulation.matrix_exponential import Exact
-from ...simulation.methods.segment_methods import MULTISTEP
+from ...simulation.methods.registry import METHODS
 from ...simulation.verify import tell_parting
 from ..selftest.case import Bench
 from .patience import Patience
 from .run_errors import MEASURES, ComparedSamples, Errors, find_errors, take_samples, value_of
 
-METHODS = ("erk", "rosenbrock", "cvodes", "idas", "adams")
-"""Methods that may give a reference, the most accurate first."""
 RTOLS = (1e-13, 1e-12, 1e-11)
 LARGEST = 1e-3
 """Distance of the two runs above which there is no reference."""
@@ -87,6 +85,12 @@ class Reference:
         }  # fmt: skip
 
 
+def reference_methods() -> list[str]:
+    """Return the methods that may give a reference, the most accurate first."""
+    places = {method.reference: name for name, method in METHODS.items() if method.reference is not None}
+    return [places[place] for place in sorted(places)]
+
+
 def find_reference(bench: Bench, patience: Patience, *, t_end: float, rate: float) -> Reference:
     """Run two methods at the tightest tolerance that each can meet, and compare them.
 
@@ -101,7 +105,7 @@ def find_reference(bench: Bench, patience: Patience, *, t_end: float, rate: floa
     """
     failures: list[str] = []
     found: list[tuple[str, float, Trajectory]] = []
-    for method in METHODS:
+    for method in reference_methods():
         if sum("more than" in failure for failure in failures) >= TRIALS:
             break
         found += _tightest(bench, patience, method, failures, t_end=t_end, rate=rate)
@@ -152,7 +156,7 @@ def _reading(bench: Bench, methods: list[str]) -> float:
     """Return what two runs may have in common: samples are read between nodes where anything switches or bends."""
     manifest = bench.library.manifest
     between = manifest.levels or manifest.signals or manifest.holds
-    return READING if between and len({method in MULTISTEP for method in methods}) == 1 else 0.0
+    return READING if between and len({METHODS[method].multistep for method in methods}) == 1 else 0.0
 
 
 def _exact(bench: Bench, path: Trajectory, samples: ComparedSamples) -> Errors | None:

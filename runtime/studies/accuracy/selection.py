@@ -1,4 +1,4 @@
-"""Selection: method and tolerance of a run from a record, for an error that is asked for."""
+"""Selection of method and tolerance for an error that is asked for."""
 
 import re
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Study: the whole measurement of one scene, bench -> reference -> points -> record."""
+"""Accuracy study of one scene, from its reference to its record."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Sweep: every method at every tolerance, first for its errors and counts, then in turns for its times."""
+"""Measurement of every method at every tolerance: errors and counts first, then times in turns."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field

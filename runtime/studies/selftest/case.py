@@ -1,4 +1,4 @@
-"""What a hard case is: a scene, an oracle, and findings with their limits."""
+"""Hard case: a scene, an oracle, and findings with their limits."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What the cases read off their runs: forces, states in vibration sizes, the distance to the exact motion."""
+"""Quantities of hard cases: forces, scaled states, distance to the exact motion."""
 
 from collections.abc import Iterator
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulation.integration import Trajectory
+from ...simulation.methods.registry import METHODS
 from .case import Bench, Finding, HardCase, Open
 from .dead_band import CASES as SWEPT
 from .impact import Impact
@@ -17,7 +18,6 @@ RTOL = 1e-9
 PARTING = 1e-9
 """Share of the largest force that a tooth may pull: how well the instant of parting can be located."""
 GAP = "0.1 mm"
-ONE_STEP = ("erk", "rosenbrock")
 
 
 def allowed(method: str, limit: float) -> float:
@@ -26,7 +26,7 @@ def allowed(method: str, limit: float) -> float:
     These keep the error of a step below their tolerance, not that of a swing, and begin anew with small steps of low
     order after every parting. On a swing without any, BDF at 1e-9 loses 1e-7 of the energy, ``erk`` 1e-9.
     """
-    return limit if method in ONE_STEP else 20 * limit
+    return 20 * limit if METHODS[method].multistep else limit
 
 
 # --- undamped bounces

@@ -12,7 +12,7 @@ from ...linear.modes import find_modes
 from ...linear.system import linearise
 from ...model.rows import over_time
 from ...simulation.integration import Trajectory
-from ...simulation.methods.segment_methods import EXPLICIT
+from ...simulation.methods.registry import METHODS
 from .case import Bench, Finding, HardCase, Open
 
 Vector = NDArray[np.float64]
@@ -60,7 +60,7 @@ def _stiff_bearings(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     yield Finding("and from x1e4 to x1e6, off 2", fall, 0.1)
     yield Finding("error at x1e6 over the forces' standard deviation", off[1e6], 1e-4)
     # The fastest motion is a thousand times faster: only an explicit method has to follow it.
-    most = 3e3 if method in EXPLICIT else 100.0
+    most = 3e3 if METHODS[method].explicit else 100.0
     yield Finding("steps at x1e6 over those at x1", steps[1e6] / steps[1.0], most)
 
 
@@ -84,7 +84,7 @@ def _tiny_inertia(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     yield Finding("error of the rotor's swing over its size", float(np.abs(found - wanted).max() / size), 1e-5)
     middle = path.x[:, _state(bench, "speck.u")] - bench.at.x[_state(bench, "speck.u")]
     # Explicit steps at the bound of stability keep a motion that nothing damps at the size of the tolerance.
-    limit = 1e-4 if method == "erk" else 1e-5
+    limit = 1e-4 if METHODS[method].explicit else 1e-5
     yield Finding("disc against the middle of the shaft", float(np.abs(middle - found / 2).max() / size), limit)
 
 

@@ -1,4 +1,4 @@
-"""The suite: every hard case with every method; what came out, what it is worth, what it cost."""
+"""Self-test suite: every hard case by every method."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -12,7 +12,7 @@ from typing import Any
 from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ...simulation.integration import Trajectory
-from ...simulation.methods.segment_methods import Counts
+from ...simulation.methods.stepper import Counts
 from .case import Bench, Finding, HardCase, Open
 
 OK, SLOW, WRONG, REFUSED = VERDICTS = ("ok", "slow", "wrong", "refused")

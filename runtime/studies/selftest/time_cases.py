@@ -13,7 +13,7 @@ from ...model.function import Kernel
 from ...model.vibration_scale import vibration_scale
 from ...simulation.integration import Trajectory
 from ...simulation.matrix_exponential import Exact
-from ...simulation.methods.segment_methods import MULTISTEP
+from ...simulation.methods.registry import METHODS
 from .case import Bench, Finding, HardCase, Open
 from .case_reading import mesh_forces, off
 
@@ -91,7 +91,7 @@ def check_undamped(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     A step of a multistep method of order five at most errs more under the same tolerance, so they get a tighter one.
     Its errors are then rounding of very many steps, whose sum grows with the square root of their number only.
     """
-    many = method in MULTISTEP
+    many = METHODS[method].multistep
     rtol, long, growth = (1e-12, 1_000, 0.5) if many else (1e-10, 10_000, 1.0)
     for torque, name in (("on", "torque of k(theta)"), ("off", "work of dk/dt booked")):
         pitches = long if full else 100

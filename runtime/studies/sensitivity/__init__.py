@@ -1,1 +1,1 @@
-"""Sensitivities: what to change to move an eigenfrequency or an output of a simulation, and by how much."""
+"""Sensitivities of eigenfrequencies and of outputs of a simulation to all parameters."""

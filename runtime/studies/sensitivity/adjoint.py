@@ -1,4 +1,4 @@
-"""Adjoint: the derivative of a mean, RMS or extreme of a run with respect to all parameters, through jumps and regimes.
+"""Adjoint of a run: derivatives of a mean, RMS or extreme to all parameters, through jumps and regimes.
 
 One run forwards, one backwards: with the adjoint of Cao, Li, Petzold and Serban (2003) the cost does not grow with
 the number of parameters.

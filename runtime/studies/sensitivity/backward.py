@@ -1,4 +1,4 @@
-"""Backward: the adjoint along one arc, in C, with derivatives of the model that CasADi writes and a compiler builds."""
+"""Adjoint integration along one arc, in C, with derivatives written by CasADi."""
 
 import ctypes
 from functools import partial

@@ -1,4 +1,4 @@
-"""Course: a run from the equilibrium kept arc by arc, with what was held in each and what ended it."""
+"""Forward run of the adjoint, kept arc by arc."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from ...simulation.dense_output import Chebyshev
 from ...simulation.driver import March
 from ...simulation.failure import explain
 from ...simulation.method_limits import check_explicit
-from ...simulation.methods.segment_methods import EXPLICIT
+from ...simulation.methods.registry import METHODS
 
 Vector = NDArray[np.float64]
 Cells = NDArray[np.int64]
@@ -101,7 +101,7 @@ def follow_course(
     SolverError
         If the run does not reach its end.
     """
-    if method in EXPLICIT:
+    if METHODS[method].explicit:
         check_explicit(library, at, p, method, t_end)
     signals = Signals(library.manifest.signals, tables or {})
     march = March(library, p, at, method, rtol, 1, 1 / t_end, signals, dense=True)

@@ -1,4 +1,4 @@
-"""Extreme: where an output is largest or smallest in a window, and what that is worth to state and parameters.
+"""Extreme of an output in a window, and its derivative to state and parameters.
 
 At an instant t* inside a smooth piece where y is largest, its rate is zero, so that t* may move without moving the
 largest value: the derivative is that of y at t* held (the envelope theorem; Milgrom and Segal 2002). Where y is

@@ -1,4 +1,4 @@
-"""Items: what the command `sensitivity` tells, of eigenfrequencies or of an output, as plain values."""
+"""Sensitivities of eigenfrequencies or of an output, as plain values."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,7 +15,7 @@ from ...model.library import Library
 from ...model.load_tables import Pairs
 from ...model.parameter_bounds import is_continuous
 from ...simulation.choose_method import choose
-from ...simulation.simulate import AUTO
+from ...simulation.methods.registry import AUTO
 from .adjoint import OutputDerivative, differentiate_output
 from .ranking import list_influences
 from .worth import check_measure, find_output

@@ -1,4 +1,4 @@
-"""Jumps: what the adjoint does where stiffness or a regime changes, whose instant moves with state and parameters.
+"""Adjoint jump conditions where stiffness or a regime changes.
 
 At an instant t* with h(x, p) = 0 the motion bends: dx+ = dx- + (f- - f+) dt*, dt* = - (h_x dx- + h_p dp) / h', the
 saltation of Hiskens and Pai (2000). The adjoint is its transpose, with what is gained or lost of the output beside.

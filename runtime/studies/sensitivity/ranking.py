@@ -1,4 +1,4 @@
-"""Ranking: derivatives with respect to all parameters as rows, the strongest first."""
+"""Ranking of parameters by their derivatives."""
 
 from dataclasses import dataclass
 from math import isnan

@@ -1,4 +1,4 @@
-"""Worth: a mean, RMS or extreme of an output over a window, and what a change of the output is worth to it."""
+"""Objective of the adjoint: a mean, RMS or extreme of an output over a window."""
 
 from dataclasses import dataclass
 from difflib import get_close_matches

@@ -1,4 +1,4 @@
-"""Axes: what a sweep varies, each a number or a choice of the scene, as written after ``--vary``."""
+"""Axes of a sweep: numbers and choices of the scene, as written after ``--vary``."""
 
 import re
 from collections.abc import Iterable, Mapping

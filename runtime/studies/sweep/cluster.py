@@ -1,4 +1,4 @@
-"""Cluster: the workers of a Dask scheduler as a sweep's pool."""
+"""Dask cluster: its workers as a sweep's pool."""
 
 import logging
 import re

@@ -1,4 +1,4 @@
-"""Design: the points of a sweep, drawn from its axes; the same call gives the same points."""
+"""Design of a sweep: its points, drawn reproducibly from its axes."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""Execution: points over local processes, by joblib, or the workers of a cluster; dead workers are outlived."""
+"""Execution of a sweep's points by local processes (joblib) or a cluster; dead workers are replaced."""
 
 import re
 import signal

@@ -1,4 +1,4 @@
-"""Faults: what tells the machine's faults, at which a sweep stops, from a model's own, which are rows."""
+"""Faults of a sweep: the machine's, which stop it, and a model's own, which are rows."""
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""Filling: the missing points of a sweep are computed and stored, until all are there or the machine fails."""
+"""Filling of a sweep: its missing points are computed and stored."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial

@@ -1,4 +1,4 @@
-"""Influence: Sobol indices, the shares of a number's variance that each varied number brings."""
+"""Sobol indices: shares of a metric's variance that each varied number brings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Metrics: what a sweep keeps of each run, by name; the form of a row is known before any run."""
+"""Metrics of a sweep: what it keeps of each run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ...results.select import find_columns, nearest
 from ...results.statistics import STATISTICS as MOTION
 from ...results.statistics import mesh_frequencies, sample_statistics, statistics, steady_start, window
 from ...simulation.low_pass import BAND
-from ...simulation.methods.segment_methods import Counts
+from ...simulation.methods.stepper import Counts
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,4 +1,4 @@
-"""Planning: what is settled before any worker starts: that points can be, their sampling rate, models and row."""
+"""Plan of a sweep: sampling rate, models and form of a row, settled before any worker starts."""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress

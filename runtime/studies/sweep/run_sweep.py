@@ -1,4 +1,4 @@
-"""Run: a sweep from its axes to its file, stage by stage: axes -> design -> models -> store -> rows -> file."""
+"""Sweep: from its axes to its file."""
 
 import os
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Store: the rows of a sweep on disk, readable while it runs and whole where it is killed; in the end NetCDF4.
+"""Sweep file: rows on disk, readable while the sweep runs; at the end NetCDF4.
 
 Rows are records of a classic NetCDF file, ``NAME.part.nc`` (see ``part``), in the order in which they come. When all
 are there they are sorted by point into ``NAME.nc``. Both tell of which sweep they are, so that another is not taken

@@ -1,4 +1,4 @@
-"""Reading: what others ask of a sweep: its design, its points that are done, and its numbers one by one."""
+"""Reading of sweeps: design, finished points, and numbers one by one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Task: one point of a sweep, from what it changes to its row; it runs in any process that knows the plan."""
+"""One point of a sweep, from its changes to its row, in any process that has the plan."""
 
 import hashlib
 import pickle

@@ -1,4 +1,4 @@
-"""Comparison: a simulation of the 2 MW rig beside the numbers its paper printed."""
+"""Simulation of the 2 MW rig beside the numbers that its paper printed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines: every frequency that Table 8 prints, explained as a harmonic, a sideband or a mode, or said to be none."""
+"""Origins of the frequencies of Table 8: harmonics, sidebands, modes, or none of these."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Table 9 row by row: means and load factors printed, predicted without any fit, and after the fit."""
+"""Table 9 row by row: printed, predicted without any fit, and after the fit."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any

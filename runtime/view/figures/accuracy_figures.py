@@ -1,10 +1,12 @@
-"""Figures: what accuracy costs, a panel each and all on one sheet."""
+"""Figures of accuracy against time, one panel each and all on one sheet."""
 
 from __future__ import annotations
 
+from itertools import cycle
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from ...simulation.methods.registry import METHODS
 from ...studies.accuracy.cheapest import LIMITS, find_cheapest
 from ...studies.accuracy.phases import PHASES
 from ...studies.accuracy.reference import MARGIN
@@ -18,11 +20,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 Data = dict[str, Any]
-STYLES = {
-    "erk": (BLUE, "o"), "rosenbrock": (VERMILLION, "s"), "cvodes": (GREEN, "^"), "adams": (ORANGE, "v"),
-    "idas": (PURPLE, "D"), "sundae": (SKY, "P"),
-}  # fmt: skip
-"""Colour and mark of each method, the colours of Okabe and Ito."""
+LOOKS = ((BLUE, "o"), (GREEN, "^"), (ORANGE, "v"), (PURPLE, "D"), (VERMILLION, "s"), (SKY, "P"))
+"""Colours of Okabe and Ito, and marks."""
+STYLES = dict(zip(METHODS, cycle(LOOKS), strict=False))
+"""Colour and mark of each method."""
 NAMES = {
     "mesh_force": "mesh force", "bearing_force": "bearing force", "transmission_error": "transmission error",
     "load_share": "load share", "spectrum": "spectrum [dB]", "states": "states",
@@ -150,7 +151,7 @@ def draw_kinds(axes: Axes, record: Data) -> None:
     best = find_cheapest(record, 1e-3)
     title = "No setting for 0.1 %" if best is None else f"What is off, by {best['method']}"
     points = [] if best is None else [p for p in record["points"] if p["method"] == best["method"] and not p["reason"]]
-    for (kind, name), (colour, mark) in zip(NAMES.items(), STYLES.values(), strict=True):
+    for (kind, name), (colour, mark) in zip(NAMES.items(), LOOKS, strict=True):
         found = [(point["rtol"], value_of(point["errors"], kind)) for point in points]
         known = [(rtol, value) for rtol, value in found if value]
         if known:

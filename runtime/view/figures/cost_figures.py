@@ -1,4 +1,4 @@
-"""Cost figure: what each effect of a scene costs, beside how far the mesh forces are off without it."""
+"""Figure of the cost of effects, beside the error of mesh forces without them."""
 
 from __future__ import annotations
 

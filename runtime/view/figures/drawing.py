@@ -1,4 +1,4 @@
-"""Drawing: what figures share: axes with units, numbers in handy units, curves with no more points than are seen."""
+"""Axes, units and line thinning that figures share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Gallery: what a survey found, as figures."""
+"""Figures of a survey."""
 
 from __future__ import annotations
 

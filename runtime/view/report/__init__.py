@@ -1,1 +1,1 @@
-"""Report: a result as one page of HTML with an animated stage view, figures and tables; it needs no network."""
+"""Report of a result: one HTML page with an animated stage view, figures and tables."""

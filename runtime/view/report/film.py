@@ -1,4 +1,4 @@
-"""Film: the frames of the animation, small enough to be carried by the page, and what they show at any of them."""
+"""Animation frames of the report."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Heading: what a run was, how it was computed and what it is worth."""
+"""Heading of the report: what a run was, how it was computed and how accurate it is."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Listing: tables of the page: mesh forces, speeds, loads, bearings."""
+"""Tables of the report: mesh forces, speeds, loads, bearings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures of the integrator's march along time: the size of steps, and switchings."""
+"""Figures of step sizes and switchings over time."""
 
 from __future__ import annotations
 

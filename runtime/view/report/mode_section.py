@@ -1,4 +1,4 @@
-"""Section of the modes: a table of all, and the lowest as shapes that move."""
+"""Modes in the report: a table of all, and the lowest as moving shapes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Page: result -> stages, frames, figures, tables -> one file of HTML; the last stage of all."""
+"""Report page: result -> stages, frames, figures, tables -> one HTML file."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
-"""Panels: the stages as they are drawn, wheels at their places and meshes with their lines of action."""
+"""Stage drawings of the report: gears at their places, meshes with their lines of action."""
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import acos, atan2, cos, hypot, isfinite, pi, sin
 from typing import TYPE_CHECKING, Any
@@ -9,10 +8,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-BACK = ".back"
-"""How the name of a mesh ends that stands for the other flanks."""
-ENDS = {"sun_planet": ("sun", 1), "ring_planet": ("ring", -1), "mesh": ("input", 1)}
-"""First gear of each kind of mesh, and the sign of its mate's radius: 1 outside, -1 inside."""
+Pair = dict[str, Any]
+"""A mesh of the sheet, as JSON tells a ``GearPair``."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +51,8 @@ class Contact:
         Angle at which a positive force pushes gear 2, in the stage's frame [rad].
     lever
         What the torque on gear 2 is over the force, signed [m].
+    back
+        Whether it stands for the flanks that are not loaded.
     """
 
     name: str
@@ -63,6 +62,7 @@ class Contact:
     y: float
     direction: float
     lever: float
+    back: bool
 
 
 @dataclass(frozen=True)
@@ -92,16 +92,6 @@ class Panel:
         return max(max(across) - min(across), max(up) - min(up)) / 2
 
 
-class Numbers(dict[str, float]):
-    """Parameters of a model by name."""
-
-    @classmethod
-    def of(cls, dataset: "xr.Dataset") -> "Numbers":
-        """Take the parameters from a result."""
-        values = dataset["parameter_value"]
-        return cls(zip((str(name) for name in values["parameter"].values), values.values.tolist(), strict=True))
-
-
 def make_panels(dataset: "xr.Dataset") -> list[Panel]:
     """Lay out the stages of a result.
 
@@ -116,18 +106,18 @@ def make_panels(dataset: "xr.Dataset") -> list[Panel]:
         In the order of the sheet: stages, and the rotors between them.
     """
     sheet = json.loads(dataset.attrs["sheet"])
-    number, alpha = Numbers.of(dataset), _pressure_angles(dataset)
-    meshes = [str(name) for name in dataset["mesh"].values] if "mesh_force" in dataset else []
-    rotors = {str(name) for name in dataset["rotor"].values} if "rotor" in dataset.dims else set()
+    alpha, start = _pressure_angles(dataset), start_angles(dataset)
+    meshes = sheet["meshes"] if "mesh_force" in dataset else []
     panels = []
     for title, _ in sheet["titles"]:
-        wheels = _wheels(title, sheet["discs"])
-        if not wheels:
-            continue
-        contacts = [_contact(name, wheels, number, alpha) for name in meshes if name.split(".")[0] == title]
-        frame = f"{title}.carrier"
-        panel = Panel(title, frame if frame in rotors else "", tuple(wheels.values()), tuple(contacts))
-        panels.append(_engage(panel, number, start_angles(dataset)))
+        wheels = _wheels([disc for disc in sheet["discs"] if disc["stage"] == title])
+        if wheels:
+            pairs = [mesh for mesh in meshes if mesh["stage"] == title]
+            contacts = [_contact(pair, wheels, alpha) for pair in pairs]
+            carriers = [wheel.body for wheel in wheels.values() if wheel.part == "carrier" and wheel.body in start]
+            frame = carriers[0] if carriers else ""
+            wheels = _engage(wheels, pairs, start, start.get(frame, 0.0))
+            panels.append(Panel(title, frame, tuple(wheels.values()), tuple(contacts)))
     return panels
 
 
@@ -148,56 +138,48 @@ def _pressure_angles(dataset: "xr.Dataset") -> dict[str, float]:
     return dict(zip(names, mean.values.tolist(), strict=True))
 
 
-def _wheels(title: str, discs: list[dict[str, Any]]) -> dict[str, Wheel]:
+def _wheels(discs: list[dict[str, Any]]) -> dict[str, Wheel]:
     """Return the wheels of a stage about its own middle, that behind first."""
-    found = [disc for disc in discs if disc["body"].split(".")[0] == title]
-    if not found:
+    if not discs:
         return {}
-    middle = next((disc for disc in found if disc["part"] in ("ring", "sun", "input")), found[0])
+    middle = next((disc for disc in discs if disc["part"] in ("ring", "sun", "input")), discs[0])
     names = ("body", "part", "radius")
     return {
         disc["body"]: Wheel(
             **{name: disc[name] for name in names}, x=disc["x"] - middle["x"], y=disc["y"] - middle["y"]
         )
-        for disc in found
+        for disc in discs
     }
 
 
-def _contact(name: str, wheels: dict[str, Wheel], number: Numbers, alpha: dict[str, float]) -> Contact:
+def _contact(pair: Pair, wheels: dict[str, Wheel], alpha: dict[str, float]) -> Contact:
     r"""Return a mesh; the force on gear 2 is :math:`N(\sigma\sin\alpha\,\mathbf e + s\cos\alpha\,\mathbf t)`."""
-    front = name.removesuffix(BACK)
-    stage, kind, *planet = front.split(".")
-    first, sigma = ENDS[kind]
-    one = wheels[f"{stage}.{first}"]
-    two = wheels[f"{stage}.planet.{planet[0]}" if planet else f"{stage}.output"]
-    r1, r2 = (number[f"{stage}.{kind}.base_radius_{k}"] for k in (1, 2))
-    flank = number[f"{stage}.{kind}.flank"] * (-1 if name != front else 1)
+    one, two, sigma, flank = wheels[pair["one"]], wheels[pair["two"]], pair["sense"], pair["flank"]
+    r1, r2 = pair["radii"]
     c, d = r1 + sigma * r2, hypot(two.x - one.x, two.y - one.y)
-    angle = alpha.get(front, acos(min(1.0, c / d)))
+    angle = alpha.get(pair["name"], acos(min(1.0, c / d)))
     ex, ey = (two.x - one.x) / d, (two.y - one.y) / d
     along = sigma * sin(angle), flank * cos(angle)
     direction = atan2(along[0] * ey + along[1] * ex, along[0] * ex - along[1] * ey)
     share = r1 / c
     place = one.x + share * d * ex, one.y + share * d * ey
-    return Contact(name, one.body, two.body, *place, direction, -sigma * flank * r2)
+    return Contact(pair["name"], one.body, two.body, *place, direction, -sigma * flank * r2, pair["back"])
 
 
-def _engage(panel: Panel, number: Numbers, angle: dict[str, float]) -> Panel:
-    """Count teeth and turn them so that each mesh starts with a tooth in a gap."""
-    wheels = {wheel.body: wheel for wheel in panel.wheels}
-    turn = angle.get(panel.frame, 0.0)
-    for mesh in _in_order(panel):
-        stage, kind = mesh.name.split(".")[:2]
-        teeth = abs(number.get(f"{stage}.{kind}.teeth_1", 0.0))
-        if not teeth:
+def _engage(wheels: dict[str, Wheel], pairs: list[Pair], angle: dict[str, float], turn: float) -> dict[str, Wheel]:
+    """Give wheels their teeth, turned so that each mesh starts with a tooth in a gap, in a frame that has turned.
+
+    Outer gears come first: they set the planets' teeth, and one planet the ring's.
+    """
+    wheels = dict(wheels)
+    for pair in sorted((pair for pair in pairs if not pair["back"]), key=lambda pair: -pair["sense"]):
+        sigma, counts, (r1, r2) = pair["sense"], pair["teeth"], pair["radii"]
+        if not counts[0]:
             continue
-        sigma = ENDS[kind][1]
-        one, two = wheels[mesh.one], wheels[mesh.two]
-        ratio = number[f"{stage}.{kind}.base_radius_2"] / number[f"{stage}.{kind}.base_radius_1"]
-        counts = round(teeth), round(teeth * ratio)
+        one, two, ratio = wheels[pair["one"]], wheels[pair["two"]], r2 / r1
         gamma = atan2(two.y - one.y, two.x - one.x) + turn
         facing = gamma + (pi if sigma > 0 else 0.0)
-        angles = angle.get(mesh.one, 0.0), angle.get(mesh.two, 0.0)
+        angles = angle.get(one.body, 0.0), angle.get(two.body, 0.0)
         if not two.teeth:
             ahead = angles[0] + one.offset - gamma
             two = replace(two, teeth=counts[1], offset=facing - sigma * ahead / ratio + pi / counts[1] - angles[1])
@@ -206,13 +188,7 @@ def _engage(panel: Panel, number: Numbers, angle: dict[str, float]) -> Panel:
             ahead = angles[1] + two.offset - facing
             one = replace(one, teeth=counts[0], offset=gamma - sigma * ahead * ratio + pi / counts[0] - angles[0])
         wheels |= {one.body: one, two.body: two}
-    return replace(panel, wheels=tuple(wheels.values()))
-
-
-def _in_order(panel: Panel) -> Iterator[Contact]:
-    """Yield the meshes, those of suns and inputs first: they set the planets' teeth, and one planet the ring's."""
-    front = [contact for contact in panel.contacts if not contact.name.endswith(BACK)]
-    yield from sorted(front, key=lambda contact: ".ring_planet." in contact.name)
+    return wheels
 
 
 def nice(value: float) -> float:

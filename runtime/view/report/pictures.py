@@ -1,4 +1,4 @@
-"""Pictures: figures of matplotlib as drawings of the page, their titles and legends as text of the page."""
+"""Figures of the report: SVG without titles, which are text of the page."""
 
 from __future__ import annotations
 

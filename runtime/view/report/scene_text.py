@@ -1,4 +1,4 @@
-"""Scene's text: its lines as they are shown, and the sources of its numbers."""
+"""Scene text in the report, and the sources of its numbers."""
 
 from __future__ import annotations
 

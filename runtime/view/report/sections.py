@@ -1,4 +1,4 @@
-"""Sections: what the page shows below the stages, each with its figures or the reason why it has none."""
+"""Sections of the report below the stages, each with its figures or why it has none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Stage view: panels in the drawing's units, posed at a sample; the page's script moves what stands here."""
+"""Stage view of the report, posed at a sample and moved by the page's script."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .panels import BACK, nice
+from .panels import nice
 
 if TYPE_CHECKING:
     from .film import Track
@@ -134,7 +134,6 @@ def _contact(view: View, contact: Contact, unit: float) -> dict[str, Any]:
         "transform": transform(middle, turn),
         "arrow": arrow(force / unit * LONGEST if unit else 0.0),
         "open": not touching or force == 0.0,
-        "back": contact.name.endswith(BACK),
         "now": newtons(force, unit),
     }
 

@@ -1,4 +1,4 @@
-"""Theme: figures of matplotlib as SVG that takes its colours and fonts from the page it stands in."""
+"""Theme of the report's figures: SVG in the colours and fonts of the page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Listing: a record as tables for people."""
+"""Tables of an accuracy record."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Listing: what a survey found, as tables."""
+"""Tables of a survey."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``ltcgear book`` prints."""
+"""Terminal output of ``ltcgear book``."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Listing of modes: plain data for JSON, and a CSV file with a row for each mode."""
+"""Table of modes as JSON and CSV."""
 
 import json
 from collections.abc import Sequence

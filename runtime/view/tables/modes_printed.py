@@ -1,7 +1,8 @@
-"""What the commands of small motions print for people."""
+"""Terminal output of modes."""
+
+from collections.abc import Mapping
 
 from ...linear.naming import sum_by
-from ...model.topology import label
 from ...results.terminal import Terminal, plain, say
 from .printed import Data, new_table
 
@@ -9,14 +10,14 @@ MOST = 2
 """Members that are told of each mode."""
 
 
-def modes(data: Data) -> None:
-    """Print eigenfrequencies and what moves; planets of a stage together. JSON and CSV tell the shares of all."""
+def modes(data: Data, labels: Mapping[str, str]) -> None:
+    """Print eigenfrequencies and what moves, by label. JSON and CSV tell the shares of all members."""
     title = f"Eigenfrequencies at the loaded equilibrium, meshes {data['meshes']}"
     table = new_table(title, ">", ">Hz", ">damping", "class", "what it is", "kinetic energy")
     for column in table.columns[:3]:
         column.no_wrap = True
     for k, item in enumerate(data["modes"], start=1):
-        table.add_row(*_row(k, item))
+        table.add_row(*_row(k, item, labels))
     console = Terminal()
     console.print(table)
     if data["lowest"] and len(data["modes"]) < data["freedoms"]:
@@ -25,7 +26,7 @@ def modes(data: Data) -> None:
         say(f"wrote {file}")
 
 
-def _row(k: int, item: Data) -> tuple[str, ...]:
+def _row(k: int, item: Data, labels: Mapping[str, str]) -> tuple[str, ...]:
     """Return the cells of one mode."""
     return (
         str(k),
@@ -33,7 +34,7 @@ def _row(k: int, item: Data) -> tuple[str, ...]:
         f"{round(item['damping_ratio'], 4) + 0.0:.2%}",
         item["class"] + (f" x{item['multiplicity']}" if item["multiplicity"] > 1 else ""),
         plain(item["name"]),
-        plain(_largest(sum_by(item["members"], label))),
+        plain(_largest(sum_by(item["members"], labels))),
     )
 
 

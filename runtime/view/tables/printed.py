@@ -1,4 +1,4 @@
-"""What commands print: one JSON object, or rich tables of the same data for people."""
+"""Terminal output of commands: one JSON object, or tables of the same data."""
 
 import json
 import math

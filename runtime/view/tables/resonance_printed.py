@@ -1,4 +1,4 @@
-"""What the commands of resonance print for people."""
+"""Terminal output of campbell and response."""
 
 from ...model.ties import order_by_size
 from ...results.terminal import Terminal, plain

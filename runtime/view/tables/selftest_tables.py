@@ -1,4 +1,4 @@
-"""The suite's result for people: a table, and a figure with the same numbers."""
+"""Table and figure of the self-test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tables, CSV and a bar figure of what parameters do to numbers."""
+"""Tables, CSV and bar figure of sensitivities."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``ltcgear stability`` prints."""
+"""Terminal output of ``ltcgear stability``."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -1,4 +1,4 @@
-"""Listing: a sweep in numbers: statistics over its points, tables over an axis, Sobol indices."""
+"""Tables of a sweep: statistics, values over an axis, Sobol indices."""
 
 from __future__ import annotations
 

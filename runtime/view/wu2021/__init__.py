@@ -1,1 +1,1 @@
-"""Paper: Wu et al. 2021 reproduced on one page, what is printed, predicted and fitted kept apart."""
+"""Page of Wu et al. 2021 reproduced: printed, predicted and fitted numbers apart."""

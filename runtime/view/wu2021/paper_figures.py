@@ -1,4 +1,4 @@
-"""Figures of the page beside those like the paper's: what Table 1's three rows and the fit call for."""
+"""Figures of the page beside those like the paper's."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""Page: runs, modes and the record of the fit become one file of HTML that needs no network."""
+"""Page of the paper: runs, modes and the record of the fit in one HTML file."""
 
 import json
 from dataclasses import dataclass

@@ -1,0 +1,87 @@
+"""Stepper: what integrates one segment of smooth motion, whichever library it comes from.
+
+All integrate z with x = x_ref + S z, so that one relative tolerance refers to vibrations and not to how far a shaft
+has turned.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...model.library import Library
+from ..event_functions import Watch
+from ..smooth_arc import Arc, Frame
+
+Vector = NDArray[np.float64]
+MOST_STEPS = 1_000_000
+"""Steps in a segment above which an integrator gives up."""
+CONSTANT = np.zeros(0)
+"""Rates of the load signals of a model that has none."""
+
+
+@dataclass
+class Counts:
+    """What a run has cost; added up over segments."""
+
+    steps: int = 0
+    rhs: int = 0
+    jacobian: int = 0
+    rejected: int = 0
+    segments: int = 0
+    events: int = 0
+    regimes: int = 0
+
+
+@dataclass(frozen=True)
+class SegmentProblem:
+    """What a stepper is made for.
+
+    Attributes
+    ----------
+    library, p
+        Model and parameters.
+    rtol
+        Relative tolerance; the absolute one is the same times the scale of each state.
+    frame
+        Scaling.
+    nodes
+        Output times within a segment, in 0..1 with 1 last, shape (m,).
+    watch
+        The borders of the cells that the motion is in, for a stepper that finds them.
+    """
+
+    library: Library
+    p: Vector
+    rtol: float
+    frame: Frame
+    nodes: Vector
+    watch: Watch
+
+
+class Stepper(Protocol):
+    """Integrates one segment.
+
+    One that ``finds_borders`` is not told when the next switching is due, and ends its arc where it finds it.
+
+    Attributes
+    ----------
+    counts
+        What it has cost so far.
+    last
+        The step it begins the next segment with [s], all that it remembers; 0 where it remembers nothing.
+    """
+
+    counts: Counts
+    last: float
+    finds_borders: bool
+
+    def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
+        """Return the motion from z on.
+
+        ``s`` are levels and load signals at the segment's start, ``slope`` the signals' rates.
+        """
+
+    def renumber(self, p: Vector) -> None:
+        """Go on with other parameters, shape (n_p,)."""
