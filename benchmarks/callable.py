@@ -17,6 +17,7 @@ from ltcgear.runtime.export.solver.dynamics import Dynamics
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.rows import Batch
+from ltcgear.runtime.results.table import Cell, Table
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -113,21 +114,21 @@ def overhead(found: dict[str, Any], way: str = "Dynamics") -> float:
 
 def scene_table(data: dict[str, Any]) -> str:
     """Return what calls take, scene by scene, in Markdown."""
-    lines = ["| scene | states | parameters | from C | `rhs` | over C | `jac` |\n", "| --- " * 7 + "|\n"]
+    lines: list[tuple[Cell, ...]] = []
     for name, found in data["scenes"].items():
         times = {way: f"{1e9 * value:.0f} ns" for way, value in found["seconds"].items()}
         cells = (name, found["states"], found["parameters"], times["C"], times["Dynamics"])
-        lines.append("| " + " | ".join(map(str, (*cells, f"{overhead(found):.0f} ns", times["jac"]))) + " |\n")
-    return "\n" + "".join(lines) + "\n"
+        lines.append((*cells, f"{overhead(found):.0f} ns", times["jac"]))
+    columns = ("scene", "states", "parameters", "from C", "`rhs`", "over C", "`jac`")
+    return f"\n{Table('', columns, tuple(lines)).to_markdown()}\n"
 
 
 def way_table(data: dict[str, Any]) -> str:
     """Return what the ways take over C, in Markdown."""
-    lines = [f"| way | {' | '.join(SCENES)} |\n", "| --- " * (1 + len(SCENES)) + "|\n"]
-    for way, told in WAYS.items():
-        cells = (f"{overhead(data['scenes'][name], way):.0f} ns" for name in SCENES)
-        lines.append(f"| {told} | {' | '.join(cells)} |\n")
-    return "\n" + "".join(lines) + "\n"
+    rows = tuple(
+        (told, *(f"{overhead(data['scenes'][name], way):.0f} ns" for name in SCENES)) for way, told in WAYS.items()
+    )
+    return f"\n{Table('', ('way', *SCENES), rows).to_markdown()}\n"
 
 
 def main() -> None:

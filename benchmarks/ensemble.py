@@ -15,6 +15,7 @@ from typing import Any
 
 from ltcgear.generated import folders
 from ltcgear.runtime.model.library import build
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.simulation.ensemble import simulate_many
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.symbolic.assembly import build_model
@@ -90,14 +91,14 @@ def speed_up(found: dict[str, Any]) -> float:
 
 def table(data: dict[str, Any]) -> str:
     """Return the table in Markdown."""
-    lines = [COLUMNS, ("---",) * len(COLUMNS)]
+    lines: list[tuple[str, ...]] = []
     for name, found in data["scenes"].items():
         available = least(found, "one_hash") / least(found, "several_hashes")
         for key, workers in (("one", 1), ("several", found["workers"])):
             times = (f"{least(found, key, what):.3g}" for what in ("seconds", "cpu"))
             ratios = (f"{speed_up(found):.2f}", f"{available:.2f}") if key == "several" else ("1", "1")
             lines.append((name, str(found["runs"]), str(workers), *times, *ratios))
-    return "\n" + "".join("| " + " | ".join(line) + " |\n" for line in lines) + "\n"
+    return f"\n{Table('', COLUMNS, tuple(lines)).to_markdown()}\n"
 
 
 def main() -> None:

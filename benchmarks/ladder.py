@@ -105,10 +105,9 @@ def tabulate(rows: list[dict[str, Any]]) -> Table:
 
 
 def markdown(table: Table) -> str:
-    """Write a table as Markdown."""
-    lines = [table.columns, tuple("---" for _ in table.columns), *table.rows]
-    text = ["| " + " | ".join("-" if cell is None else str(cell) for cell in line) + " |" for line in lines]
-    return "\n".join([f"{table.title}:", "", *text, *("" if not table.notes else ("", *table.notes)), ""])
+    """Write a table with its title and notes as Markdown."""
+    notes = "".join(f"{note}\n" for note in ("", *table.notes)) if table.notes else ""
+    return f"{table.title}:\n\n{table.to_markdown()}{notes}"
 
 
 def main() -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from ltcgear.generated import folders
+from ltcgear.runtime.results.table import Table
 
 from .measure import apart
 
@@ -31,12 +32,13 @@ def exponent(rows: Sequence[dict[str, Any]], over: str, key: str) -> float:
 
 def page_table(data: dict[str, list[dict[str, Any]]]) -> str:
     """Write what was measured, and the exponents fitted to it, as Markdown."""
-    lines = [list(COLUMNS.values()), ["---"] * len(COLUMNS)]
+    lines: list[tuple[str, ...]] = []
     for over, _ in SWEEPS:
-        lines += [[f"{row[key]:.4g}" if key in FITTED else str(row[key]) for key in COLUMNS] for row in data[over]]
-        fits = [f"{exponent(data[over], over, key):.2f}" for key in FITTED]
-        lines += [[f"exponent over {over}", "", "", *fits]]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+        for row in data[over]:
+            lines.append(tuple(f"{row[key]:.4g}" if key in FITTED else str(row[key]) for key in COLUMNS))
+        fits = (f"{exponent(data[over], over, key):.2f}" for key in FITTED)
+        lines.append((f"exponent over {over}", "", "", *fits))
+    return Table("", tuple(COLUMNS.values()), tuple(lines)).to_markdown()
 
 
 def main() -> None:

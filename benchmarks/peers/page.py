@@ -4,6 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+from ltcgear.runtime.results.table import Table
+
 from .race import best
 from .runners import EXUDYN, NUMPY, OURS, SCIPY, SUNDAE
 
@@ -40,8 +42,7 @@ def total(found: dict[str, float]) -> float:
 
 def table(columns: tuple[str, ...], rows: list[tuple[Any, ...]]) -> str:
     """Write a table."""
-    lines = [columns, ("---",) * len(columns), *rows]
-    return "".join("| " + " | ".join("-" if cell is None else str(cell) for cell in line) + " |\n" for line in lines)
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def short(value: float | None) -> str | None:

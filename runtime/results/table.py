@@ -1,4 +1,4 @@
-"""Tables: small immutable results that print in a terminal, stand in pages and convert to JSON and CSV."""
+"""Tables: small immutable results that print in a terminal, stand in pages and convert to JSON, CSV and Markdown."""
 
 from __future__ import annotations
 
@@ -63,6 +63,13 @@ class Table:
             "rows": [[_plain(cell) for cell in row] for row in self.rows],
             "notes": list(self.notes),
         }
+
+    def to_markdown(self) -> str:
+        """Write headings and rows for a page in Markdown, cells as they are given, a dash for nothing."""
+        lines = [self.columns, ("---",) * len(self.columns), *self.rows]
+        return "".join(
+            "| " + " | ".join("-" if cell is None else str(cell) for cell in line) + " |\n" for line in lines
+        )
 
     def column(self, heading: str) -> tuple[Cell, ...]:
         """Cells of one column, top to bottom.

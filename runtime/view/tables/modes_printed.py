@@ -1,15 +1,11 @@
 """Terminal output of modes."""
 
 from collections.abc import Mapping
-from typing import Any
-
-from rich.box import SIMPLE_HEAD
-from rich.table import Table
 
 from ...linear.naming import sum_by
 from ...results.terminal import Terminal, plain, say
+from .printed import Data, new_table
 
-Data = dict[str, Any]
 MOST = 2
 """Members that are told of each mode."""
 
@@ -17,11 +13,9 @@ MOST = 2
 def modes(data: Data, labels: Mapping[str, str]) -> None:
     """Print eigenfrequencies and what moves, by label. JSON and CSV tell the shares of all members."""
     title = f"Eigenfrequencies at the loaded equilibrium, meshes {data['meshes']}"
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, show_edge=False)
-    for heading in ("", "Hz", "damping"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    for heading in ("class", "what it is", "kinetic energy"):
-        table.add_column(heading, overflow="fold")
+    table = new_table(title, ">", ">Hz", ">damping", "class", "what it is", "kinetic energy")
+    for column in table.columns[:3]:
+        column.no_wrap = True
     for k, item in enumerate(data["modes"], start=1):
         table.add_row(*_row(k, item, labels))
     console = Terminal()

@@ -30,7 +30,7 @@ def show(as_json: bool, data: Data, for_people: Callable[[Data], None]) -> None:
         for_people(data)
 
 
-def _table(title: str, *columns: str) -> Table:
+def new_table(title: str, *columns: str) -> Table:
     """Make a table; columns that begin with ">" are right-aligned. Long cells fold, nothing is cut."""
     table = Table(
         title=title,
@@ -48,7 +48,7 @@ def _table(title: str, *columns: str) -> Table:
 
 def scenes(data: Data) -> None:
     """Print the shipped scenes."""
-    table = _table("Shipped scenes", "scene", "title")
+    table = new_table("Shipped scenes", "scene", "title")
     for item in data["scenes"]:
         table.add_row(item["name"], plain(item["title"]))
     Terminal().print(table)
@@ -56,7 +56,7 @@ def scenes(data: Data) -> None:
 
 def effects(data: Data) -> None:
     """Print the effects."""
-    table = _table("Effects (the first value is the default)", "effect", "values", "what it does", "source")
+    table = new_table("Effects (the first value is the default)", "effect", "values", "what it does", "source")
     for item in data["effects"]:
         does = "\n".join(map(plain, [item["help"], *_conditions(item)]))
         table.add_row(item["name"], _values(item), does, item["source"])
@@ -79,7 +79,7 @@ def _conditions(item: Data) -> Iterator[str]:
 
 def info(data: Data) -> None:
     """Print the description of a model."""
-    table = _table(plain(data["title"]), "", "")
+    table = new_table(plain(data["title"]), "", "")
     table.add_row("degrees of freedom", str(data["dof"]))
     table.add_row("states", str(data["states"]))
     table.add_row("parameters", str(data["parameters"]))
@@ -98,7 +98,7 @@ def info(data: Data) -> None:
 
 def _acting(data: Data) -> Table:
     """List the effects that are on and what each does here."""
-    table = _table("Effects that act", "effect", "value", "what the model has by it")
+    table = new_table("Effects that act", "effect", "value", "what the model has by it")
     for item in data["acting"]:
         table.add_row(item["effect"], item["value"], item["here"])
     return table
@@ -106,7 +106,7 @@ def _acting(data: Data) -> Table:
 
 def _freedoms(data: Data) -> Table:
     """List the coordinates and why each is there."""
-    table = _table("Freedoms", "body", "axes", "why")
+    table = new_table("Freedoms", "body", "axes", "why")
     for row in data["freedoms"]:
         table.add_row(row["body"], ", ".join(row["axes"]), row["reason"])
     return table
@@ -119,7 +119,7 @@ def _number(value: float | None, form: str) -> str:
 
 def _stages(data: Data) -> Table:
     """List geometry and mesh frequency of the stages; planets whose tips overlap stand out."""
-    table = _table("Stages", "stage", "", "")
+    table = new_table("Stages", "stage", "", "")
     for name, stage in data["stages"].items():
         radii = ", ".join(f"{part} {radius:.3f}" for part, radius in stage["base_radii_mm"].items())
         table.add_row(name, "centre distance", f"{stage['center_distance_mm']:.3f} mm")
@@ -135,7 +135,7 @@ def _stages(data: Data) -> Table:
 
 def _meshes(data: Data) -> Table:
     """List angle, contact ratio, stiffness and static normal force of the meshes."""
-    table = _table(
+    table = new_table(
         "Meshes (force: static and normal, in each such mesh)",
         "mesh", ">angle deg", ">contact ratio", ">single N/m", ">double N/m", ">force N",
     )  # fmt: skip
@@ -155,7 +155,7 @@ def _meshes(data: Data) -> Table:
 
 def _members(data: Data) -> Table:
     """List motion and inertia of the members."""
-    table = _table("Members", "member", ">r/min", ">speed ratio", ">mass kg", ">inertia kg m^2")
+    table = new_table("Members", "member", ">r/min", ">speed ratio", ">mass kg", ">inertia kg m^2")
     for name, member in data["members"].items():
         table.add_row(
             name if member["count"] == 1 else f"{name} (each of {member['count']})",
@@ -169,7 +169,7 @@ def _members(data: Data) -> Table:
 
 def _loads(data: Data) -> Table:
     """List the loads: what drives and what brakes."""
-    table = _table("Loads (without losses)", "load", "member", ">r/min", ">torque N m", ">power kW", "")
+    table = new_table("Loads (without losses)", "load", "member", ">r/min", ">torque N m", ">power kW", "")
     for name, load in data["loads"].items():
         numbers = (_number(load[key], form) for key, form in (("torque_n_m", ".6g"), ("power_kw", "+.6g")))
         table.add_row(name, load["member"], f"{load['speed_rpm']:.3f}", *numbers, load["action"])
@@ -178,7 +178,7 @@ def _loads(data: Data) -> Table:
 
 def _laws(data: Data) -> Table:
     """List how loads vary."""
-    table = _table("Loads that vary (above at their largest, or at the speeds listed)", "load", "")
+    table = new_table("Loads that vary (above at their largest, or at the speeds listed)", "load", "")
     for name, load in data["loads"].items():
         if load["law"]:
             table.add_row(name, load["law"])
@@ -190,7 +190,7 @@ def _sources(console: Terminal, sources: dict[str, str]) -> None:
     if not sources:
         console.print("no sources given")
         return
-    listing = _table("Where the numbers come from", "number", "source")
+    listing = new_table("Where the numbers come from", "number", "source")
     for key, source in sources.items():
         listing.add_row(plain(key), plain(source))
     console.print(listing)
@@ -198,7 +198,7 @@ def _sources(console: Terminal, sources: dict[str, str]) -> None:
 
 def checks(data: Data) -> None:
     """Print check results; the notes of all are in --json, those of failures here."""
-    table = _table("Checks of the equations", "check", "", ">value", ">tolerance")
+    table = new_table("Checks of the equations", "check", "", ">value", ">tolerance")
     for item in data["checks"]:
         mark = "[green]ok[/]" if item["passed"] else "[bold red]FAILED[/]"
         name = plain(item["name"]) + ("" if item["passed"] else f"\n{plain(item['note'])}")
@@ -255,7 +255,7 @@ def simulated(data: Data) -> None:
     """Print the summary of a simulation."""
     console = Terminal()
     if data["forces"]:
-        table = _table("Mesh forces, second half of the run", "mesh", ">mean N", ">min N", ">max N", ">load factor")
+        table = new_table("Mesh forces, second half of the run", "mesh", ">mean N", ">min N", ">max N", ">load factor")
         for name, force in data["forces"].items():
             row = (f"{force[key]:.5g}" for key in ("mean", "min", "max"))
             factor = force["load_factor"]
@@ -309,8 +309,8 @@ def _accuracy(data: Data) -> str:
 def costs(data: Data) -> None:
     """Print what the variants of a scene cost, and how far their mesh forces are from the full one's."""
     title = "Cost (operations of right-hand side and Jacobian; ns a right-hand side; s a simulated s)"
-    cost = _table(title, "left out", ">states", ">rhs", ">Jac.", ">ns", ">s/s", ">steps", ">jumps")
-    change = _table("Change of mesh forces, worst stage", "left out", ">rms", ">peak", ">share", ">spectrum")
+    cost = new_table(title, "left out", ">states", ">rhs", ">Jac.", ">ns", ">s/s", ">steps", ">jumps")
+    change = new_table("Change of mesh forces, worst stage", "left out", ">rms", ">peak", ">share", ">spectrum")
     for table in (cost, change):
         table.columns[0].no_wrap = True
     for item in data["variants"]:

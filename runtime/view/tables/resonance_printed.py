@@ -2,7 +2,7 @@
 
 from ...model.ties import order_by_size
 from ...results.terminal import Terminal, plain
-from .printed import Data, _table
+from .printed import Data, new_table
 
 SHOWN = 20
 """Crossings that are printed; all are in the files."""
@@ -16,7 +16,7 @@ def campbell(data: Data) -> None:
     """Print the crossings that excite most."""
     name, unit = ("speed", "rpm") if data["axis"] == "speed" else ("load", "load")
     found = data["crossings"]
-    table = _table(
+    table = new_table(
         f"Orders that meet eigenfrequencies over {name}, {min(SHOWN, len(found))} of {len(found)}", "crossing",
         f">{unit}", ">Hz", ">margin", ">N per um", ">N", "class", "what it is",
     )  # fmt: skip
@@ -46,7 +46,7 @@ def response(data: Data) -> None:
     """Print the highest peaks of the outputs that answer most."""
     micro = data["unit"] == "m"
     what = f"1 um of transmission error of {data['excited']}" if micro else f"1 N*m of ripple of {data['excited']}"
-    table = _table(
+    table = new_table(
         f"Highest peaks of the response to {what}", "output", ">peak", "", ">Hz", ">mode", "class", "what it is"
     )
     for quantity in dict.fromkeys(output["quantity"] for output in data["outputs"]):
