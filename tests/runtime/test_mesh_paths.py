@@ -1,7 +1,7 @@
 """Stiffness and damper of meshes in small motions are the parameters, and what the force's derivatives say."""
 
 import pytest
-from ltcgear.runtime.linear.inputs import project_spring, find_paths
+from ltcgear.runtime.linear.inputs import find_paths, project_spring
 from ltcgear.runtime.linear.system import linearise
 
 from .models import case

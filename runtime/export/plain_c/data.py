@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from ltcgear.generated.contract import Manifest
+from ltcgear.generated.contract import CLOSING, PULL, VARYING, Manifest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.store import digest
 
-from ...model.equilibrium import CLOSING, PULL, VARYING, Vector, find_equilibrium
+from ...model.equilibrium import Vector, find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs, insert_zeros
 from ...model.parameter_bounds import bounds_of, is_continuous
@@ -78,7 +78,7 @@ def write_data(library: Library, name: str, run: PlainRun) -> str:
 def fixed_parameters(manifest: Manifest) -> list[bool]:
     """Tell which parameters follow from structure, or choose what is computed, and so cannot be set."""
     tied = set(chain.from_iterable((c.start, c.teeth, c.ratio, c.frame, *c.periods) for c in manifest.clocks))
-    return [not is_continuous(name) or name in tied for name, _ in manifest.parameters]
+    return [not is_continuous(manifest.roles[name]) or name in tied for name, _ in manifest.parameters]
 
 
 def _bounds(manifest: Manifest) -> Iterable[Iterable[str]]:
@@ -115,7 +115,7 @@ def _places(library: Library, p: Vector) -> list[str]:
     sparsity = library.functions["jac_rhs"].sparsity_out(0)
     forces = (i for i, report in enumerate(manifest.reports) if report.quantity == "mesh_force")
     freedoms = (
-        f"{{{i}, {j}, {names.index(manifest.states[i].inertia)}, {int(manifest.states[i].axis == 'u')}}}"
+        f"{{{i}, {j}, {names.index(manifest.states[i].inertia)}, {int(manifest.states[i].turns)}}}"
         for i, j in zip(library.index(""), library.index(".rate"), strict=True)
     )
     return [
