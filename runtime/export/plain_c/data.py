@@ -30,8 +30,6 @@ SAME = (
     "hold_closes", "forces",
 )  # fmt: skip
 """Fields whose array has the same name."""
-FRICTION = ".friction"
-"""How the holds end that choose the sign of a friction force."""
 LARGEST = 2**62
 """Beyond all whole numbers that clocks count with."""
 
@@ -112,6 +110,7 @@ def _places(library: Library, p: Vector) -> list[str]:
     """Write what belongs to what: freedoms, clocks, holds, mesh forces, the Jacobian's non-zeros."""
     manifest = library.manifest
     names = [name for name, _ in manifest.parameters]
+    contacts = {connection.hold for connection in manifest.connections}  # others choose the sign of a friction force
     sparsity = library.functions["jac_rhs"].sparsity_out(0)
     forces = (i for i, report in enumerate(manifest.reports) if report.quantity == "mesh_force")
     freedoms = (
@@ -124,7 +123,7 @@ def _places(library: Library, p: Vector) -> list[str]:
         _array("ltcgear_freedom", "freedoms", freedoms),
         _array("ltcgear_clock", "clocks", _clocks(manifest, p), "\n  "),
         _array("ltcgear_whole", "holds", map(names.index, manifest.holds)),
-        _array("unsigned char", "hold_closes", (int(not hold.endswith(FRICTION)) for hold in manifest.holds)),
+        _array("unsigned char", "hold_closes", (int(hold in contacts) for hold in manifest.holds)),
         _array("ltcgear_whole", "forces", forces),
         _array("ltcgear_whole", "jacobian_colind", sparsity.colind()),
         _array("ltcgear_whole", "jacobian_row", sparsity.row()),
