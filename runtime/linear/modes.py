@@ -168,9 +168,9 @@ def _shape(motions: Motions, moved: Complex) -> tuple[str, dict[str, float]]:
     energy = energy / energy.sum()
     groups = {"shifting": 0.0, "turning": 0.0, "planet shifting": 0.0, "planet turning": 0.0}
     parts: dict[str, float] = {}
-    for state, share in zip(motions.states, energy.tolist(), strict=True):
-        motion = "shifting" if state.axis in ("x", "y") else "turning"
-        groups[("planet " if ".planet." in state.body else "") + motion] += share
+    for state, whose, share in zip(motions.states, motions.parts, energy.tolist(), strict=True):
+        motion = "turning" if state.turns else "shifting"
+        groups[("planet " if whose == "planet" else "") + motion] += share
         part = f"{state.body} {motion}"
         parts[part] = parts.get(part, 0.0) + share
     return _kind(groups), largest_first(parts)

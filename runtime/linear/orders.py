@@ -8,6 +8,7 @@ import numpy as np
 from ltcgear.generated.contract import Manifest
 from numpy.typing import NDArray
 
+from ..model.parameter_values import name_values
 from ..model.phase_wrapping import TURN, Clocks
 from ..results.statistics import stage_of
 
@@ -93,15 +94,16 @@ def mesh_advances(manifest: Manifest, p: Vector) -> dict[str, float]:
 
 def list_sides(manifest: Manifest, p: Vector, stage: str) -> list[Side]:
     """List what modulates the meshes of a stage: its carrier's turns, and its planets' passes over ring and sun."""
-    number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
+    number, parts = name_values(manifest, p), {body.name: body.part for body in manifest.bodies}
+    meshes = {mesh.item: mesh for mesh in manifest.connections if mesh.kind == "mesh" and not mesh.back}
     sides: dict[str, Side] = {}
     for clock in manifest.clocks:
-        if stage_of(clock.mesh) != stage or clock.mesh.count(".") < 2:
+        if stage_of(clock.mesh) != stage or parts[meshes[clock.mesh].bodies[1]] != "planet":
             continue
         carrier = number.get(clock.frame, 0.0)
         relative = carrier - number.get(clock.ratio, 0.0)
-        planets = sum(other.mesh.rpartition(".")[0] == clock.mesh.rpartition(".")[0] for other in manifest.clocks)
-        gear = clock.mesh.split(".")[1].partition("_")[0]
+        planets = sum(other.group == meshes[clock.mesh].group for other in meshes.values())
+        gear = parts[meshes[clock.mesh].bodies[0]]
         if carrier:
             sides["carrier"] = Side("carrier", carrier, 1)
         if relative:
@@ -120,7 +122,7 @@ def phases_of(manifest: Manifest, p: Vector, order: Order, meshes: Sequence[str]
     speed
         Of the reference [rad/s]; its sign tells which way phases run.
     """
-    number = {name: float(value) for (name, _), value in zip(manifest.parameters, p, strict=True)}
+    number = name_values(manifest, p)
     starts = {clock.mesh: number[clock.start] for clock in manifest.clocks if clock.mesh}
     courses, turning = Clocks(manifest, p).by_mesh, -1.0 if speed < 0 else 1.0
     found = []

@@ -33,11 +33,14 @@ class Motions:
         Mass [kg] or inertia [kg m^2] of each.
     matrix
         Shape (motions, states of the model): what a unit of a state moves them, in the axes of their frames.
+    parts
+        What the body of each is in its stage.
     """
 
     states: list[State]
     mass: Vector
     matrix: Vector
+    parts: list[str]
 
 
 @dataclass(frozen=True)
@@ -197,13 +200,14 @@ def _motions(library: Library, at: Equilibrium, p: Vector) -> Motions:
     states = [everything[i] for i in position]
     if library.manifest.reference == "torque":
         states += [state for state in everything if state.kind == "reference speed"]
+    bodies = {body.name: body for body in library.manifest.bodies}
     matrix = np.zeros((len(states), len(names)))
     matrix[np.arange(len(position)), position] = 1.0
     if library.manifest.reference == "torque":
         place = {(state.body, state.axis): float(at.x[i]) for i, state in zip(position, states, strict=False)}
-        bodies = {body.name: body for body in library.manifest.bodies}
         matrix[:, names.index("reference.angle")] = [_carried(state, bodies, number, place) for state in states]
-    return Motions(states, np.array([number[state.inertia] for state in states]), matrix)
+    mass = np.array([number[state.inertia] for state in states])
+    return Motions(states, mass, matrix, [bodies[state.body].part for state in states])
 
 
 def _carried(

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from ltcgear.generated.contract import HELD
+from ltcgear.generated.contract import CLOSING, HELD, PULL, VARYING
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
@@ -23,12 +23,8 @@ ROUNDING = 1e-8
 """Deflection [m], [rad] whose force is what forces out of balance are compared with, where nothing else acts."""
 SETTLED = 1e-14
 """Change [m], [rad] below which an iteration stands still: what rounding makes of lengths of a metre."""
-PULL = "contact.pull"
-"""The parameter by which one-sided teeth may pull; 0 in every run."""
 PULLS = (1.0, 1e-3, 1e-6)
 """Shares of their stiffness with which teeth pull on the way to the equilibrium."""
-VARYING = "phase.varying"
-"""The parameter that lets stiffness and errors vary with the mesh phase; 1 in every run, 0 for their means."""
 LOOSE = 4 * np.finfo(float).eps
 """Share of the largest singular value, for each freedom, below which a motion meets no stiffness but rounding."""
 LARGE = 100
@@ -37,8 +33,6 @@ OPEN = 1e-9
 """Share of the forces at work by which those on a loose motion may miss their balance."""
 SLIGHT = 0.1
 """Share of the loads below which what is out of balance is told."""
-CLOSING = "bearing.closing"
-"""The part of bearings' clearance that is taken away; 0 in every run."""
 
 
 @dataclass(frozen=True)
@@ -110,9 +104,8 @@ def closed(library: Library, p: Vector) -> Vector:
     The sign of normal forces under friction is that of the state.
     """
     values = _replaced(library, pulling(library, p), CLOSING, 1.0)
-    names = [name for name, _ in library.manifest.parameters]
-    contacts = [hold for hold in library.manifest.holds if not hold.endswith(".friction")]
-    values[[names.index(hold) for hold in contacts]] = HELD
+    contacts = {connection.hold for connection in library.manifest.connections if connection.hold}
+    values[[name in contacts for name, _ in library.manifest.parameters]] = HELD
     return values
 
 
@@ -251,7 +244,7 @@ def _residual(library: Library, force: Vector, size: Vector) -> float:
 
 def _turning(library: Library) -> NDArray[np.bool_]:
     """Tell which deviations are angles."""
-    return np.array([library.manifest.states[i].axis == "u" for i in library.index("")])
+    return np.array([library.manifest.states[i].turns for i in library.index("")])
 
 
 def _dense(library: Library, nonzeros: Vector) -> Vector:

@@ -3,6 +3,8 @@
 import math
 import sys
 
+from ltcgear.generated.contract import GEOMETRY, PHYSICAL
+
 ANY = sys.float_info.max
 """Bound of what may be any finite number."""
 POSITIVE = ("kg", "kg*m^2")
@@ -15,12 +17,6 @@ NOT_NEGATIVE = ("stiffness", "stiffness_single", "stiffness_double", "stiffness_
 """Last parts of names of what must not be negative."""
 SHARES = ("single_share",)
 """Last parts of names of what lies between 0 and 1."""
-FIXED = (
-    "hold.", "contact.pull", "phase.varying", "bearing.closing", "bearing.rounding", "origin",
-)  # fmt: skip
-"""How the parameters begin that choose what is computed and are no numbers of a gearbox."""
-WHOLE = ("speed_ratio", "teeth_1", "teeth", "tooth", "cycles", "flank", "other_flank")
-"""Last parts of names of what follows from whole numbers of teeth and from sides: it cannot change by a little."""
 
 
 def bounds_of(name: str, unit: str) -> tuple[float, float]:
@@ -33,6 +29,6 @@ def bounds_of(name: str, unit: str) -> tuple[float, float]:
     return 0.0 if last in NOT_NEGATIVE else -ANY, ANY
 
 
-def is_continuous(name: str) -> bool:
-    """Tell whether a parameter can change by a little, so that it has a derivative that means something."""
-    return not name.startswith(FIXED) and name.rsplit(".", 1)[-1] not in WHOLE
+def is_continuous(role: str) -> bool:
+    """Tell whether a parameter of a role can change by a little, so that it has a derivative that means something."""
+    return role in (PHYSICAL, GEOMETRY)

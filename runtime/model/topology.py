@@ -8,7 +8,7 @@ HOUSING = "housing"
 
 
 @dataclass(frozen=True)
-class Link:
+class Linkage:
     """Equal connections of a train as one.
 
     Attributes
@@ -56,11 +56,11 @@ class Topology:
         """Return the stage of what has a label, or the rotor's own name."""
         return self._wholes[label]
 
-    def _link(self, connection: Connection) -> Link:
+    def _link(self, connection: Connection) -> Linkage:
         """Describe the group of a connection; of a coupling, what has an angle of its own comes first."""
         bodies, kind = connection.bodies, connection.kind
         if kind == "coupling":
             bodies = tuple(sorted(bodies, key=lambda body: self._rank.get(body, len(self._rank))))
         ends = (*(self.labels[body] for body in bodies), HOUSING)[:2]
         stage = self.whole(ends[0]) if kind in ("mesh", "pin") else ""
-        return Link((ends[0], ends[1]), kind, stage, connection.item if kind == "coupling" else connection.group)
+        return Linkage((ends[0], ends[1]), kind, stage, connection.item if kind == "coupling" else connection.group)

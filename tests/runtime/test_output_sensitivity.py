@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from ltcgear.generated.contract import REGIME
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.parameter_bounds import is_continuous
@@ -243,4 +244,4 @@ def test_ranking_puts_sizes_first_and_leaves_out_what_is_whole():
         row.parameter.rsplit(".", 1)[-1] for row in rows
     }
     assert left_out == {"origin", "speed_ratio", "teeth_1", "cycles", "flank"}
-    assert not is_continuous("hold.psh.mesh")
+    assert not is_continuous(REGIME)

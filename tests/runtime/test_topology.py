@@ -1,6 +1,7 @@
 """The topology is what the scene says: who hangs on whom, in what order, and what several members are called."""
 
 import pytest
+from ltcgear.runtime.linear.orders import list_sides
 from ltcgear.runtime.model.layout import lay_out
 from ltcgear.runtime.model.topology import HOUSING, Topology
 
@@ -71,3 +72,11 @@ def test_the_sheet_stands_in_the_order_of_the_shafts():
     for planet in planets:
         distance = ((planet.x - carrier.x) ** 2 + (planet.y - carrier.y) ** 2) ** 0.5
         assert distance == pytest.approx(carrier.radius)
+
+
+def test_passes_count_planets_though_their_pins_stand_elsewhere():
+    """A torsional mesh whose pin is out of place has two clocks; the LSP has four planets all the same."""
+    moved = 'stages.lsp.position_errors = [{ planet = 2, radial = "20 um", tangential = "50 um" }]'
+    c = case("rig-2mw", 'effects.lateral = "off"', 'effects.planet_position_error = "on"', moved)
+    assert len(c.library.manifest.clocks) > len({clock.mesh for clock in c.library.manifest.clocks if clock.mesh})
+    assert {side.spread for side in list_sides(c.library.manifest, c.p, "lsp")} == {4}

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from ltcgear.generated.contract import Manifest
+from ltcgear.generated.contract import CLOSING, PULL, VARYING, Manifest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.store import digest
 
-from ...model.equilibrium import CLOSING, PULL, VARYING, Vector, find_equilibrium
+from ...model.equilibrium import Vector, find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs, insert_zeros
 from ...model.parameter_bounds import bounds_of, is_continuous
@@ -30,8 +30,6 @@ SAME = (
     "hold_closes", "forces",
 )  # fmt: skip
 """Fields whose array has the same name."""
-FRICTION = ".friction"
-"""How the holds end that choose the sign of a friction force."""
 LARGEST = 2**62
 """Beyond all whole numbers that clocks count with."""
 
@@ -78,7 +76,7 @@ def write_data(library: Library, name: str, run: PlainRun) -> str:
 def fixed_parameters(manifest: Manifest) -> list[bool]:
     """Tell which parameters follow from structure, or choose what is computed, and so cannot be set."""
     tied = set(chain.from_iterable((c.start, c.teeth, c.ratio, c.frame, *c.periods) for c in manifest.clocks))
-    return [not is_continuous(name) or name in tied for name, _ in manifest.parameters]
+    return [not is_continuous(manifest.roles[name]) or name in tied for name, _ in manifest.parameters]
 
 
 def _bounds(manifest: Manifest) -> Iterable[Iterable[str]]:
@@ -112,10 +110,11 @@ def _places(library: Library, p: Vector) -> list[str]:
     """Write what belongs to what: freedoms, clocks, holds, mesh forces, the Jacobian's non-zeros."""
     manifest = library.manifest
     names = [name for name, _ in manifest.parameters]
+    contacts = {connection.hold for connection in manifest.connections}  # others choose the sign of a friction force
     sparsity = library.functions["jac_rhs"].sparsity_out(0)
     forces = (i for i, report in enumerate(manifest.reports) if report.quantity == "mesh_force")
     freedoms = (
-        f"{{{i}, {j}, {names.index(manifest.states[i].inertia)}, {int(manifest.states[i].axis == 'u')}}}"
+        f"{{{i}, {j}, {names.index(manifest.states[i].inertia)}, {int(manifest.states[i].turns)}}}"
         for i, j in zip(library.index(""), library.index(".rate"), strict=True)
     )
     return [
@@ -124,7 +123,7 @@ def _places(library: Library, p: Vector) -> list[str]:
         _array("ltcgear_freedom", "freedoms", freedoms),
         _array("ltcgear_clock", "clocks", _clocks(manifest, p), "\n  "),
         _array("ltcgear_whole", "holds", map(names.index, manifest.holds)),
-        _array("unsigned char", "hold_closes", (int(not hold.endswith(FRICTION)) for hold in manifest.holds)),
+        _array("unsigned char", "hold_closes", (int(hold in contacts) for hold in manifest.holds)),
         _array("ltcgear_whole", "forces", forces),
         _array("ltcgear_whole", "jacobian_colind", sparsity.colind()),
         _array("ltcgear_whole", "jacobian_row", sparsity.row()),

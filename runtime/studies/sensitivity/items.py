@@ -105,16 +105,21 @@ def list_output(
     unit, rows = library.manifest.reports[place].unit, list_influences(library.manifest, p, found.value, found.gradient)
     item = {
         "name": f"{measure} of {output}, {start:g} to {end:g} s", "unit": unit, "value": found.value,
-        "method": chosen, "pieces": found.pieces, "steps": found.steps, "notes": _notes(found),
-        "one_sided": [name for name in found.one_sided if is_continuous(name)],
+        "method": chosen, "pieces": found.pieces, "steps": found.steps, "notes": _notes(library, found),
+        "one_sided": _one_sided(library, found),
         "influences": [row.to_json() for row in rows],
     }  # fmt: skip
     return {"title": f"what moves the {measure} of {output}", "unit": unit, "items": [item]}
 
 
-def _notes(found: OutputDerivative) -> list[str]:
+def _one_sided(library: Library, found: OutputDerivative) -> list[str]:
+    """Return the parameters whose derivatives hold to one side only."""
+    return [name for name in found.one_sided if is_continuous(library.manifest.roles[name])]
+
+
+def _notes(library: Library, found: OutputDerivative) -> list[str]:
     """Say where derivatives hold to one side only."""
-    sided = [name for name in found.one_sided if is_continuous(name)]
+    sided = _one_sided(library, found)
     notes = [
         f"a jump falls on t = {t:g} s, derivatives hold to one side: move it (--from, --t-end)" for t in found.edges
     ]

@@ -5,18 +5,13 @@ from math import isnan
 from typing import Any
 
 import numpy as np
-from ltcgear.generated.contract import Manifest
+from ltcgear.generated.contract import PHYSICAL, Manifest
 from numpy.typing import NDArray
 
 from ...model.parameter_bounds import is_continuous
 from ...model.ties import order_by_size
 
 Vector = NDArray[np.float64]
-GEOMETRY = (
-    "base_radius_1", "base_radius_2", "center_distance", "path_middle", "x_0", "y_0", "e_x", "e_y", "phase",
-    "rolled_phase", "turned", "opened", "static_moment_x", "static_moment_y",
-)  # fmt: skip
-"""Last parts of names of what teeth and module tie to each other, and of what says where something is."""
 
 
 @dataclass(frozen=True)
@@ -51,11 +46,6 @@ class ParameterInfluence:
         return vars(self) | {"beside": dict(self.beside)}
 
 
-def is_size(name: str, unit: str, value: float) -> bool:
-    """Tell whether a parameter is a size that can be chosen by itself: no place, angle or phase."""
-    return value != 0 and unit != "rad" and name.rsplit(".", 1)[-1] not in GEOMETRY
-
-
 def list_influences(
     manifest: Manifest, p: Vector, number: float, derivative: Vector, beside: dict[str, Vector] | None = None
 ) -> list[ParameterInfluence]:
@@ -73,10 +63,11 @@ def list_influences(
     """
     found = []
     for i, (name, unit) in enumerate(manifest.parameters):
-        if not is_continuous(name):
+        role = manifest.roles[name]
+        if not is_continuous(role):
             continue
         value, slope = float(p[i]), float(derivative[i])
-        size = is_size(name, unit, value)
+        size = role == PHYSICAL and value != 0
         relative = slope * value / number if value and number else None
         others = {key: float(each[i]) * (value if size else 1.0) for key, each in (beside or {}).items()}
         found.append(ParameterInfluence(name, value, unit, "size" if size else "geometry", slope, relative, others))
