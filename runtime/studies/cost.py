@@ -15,7 +15,7 @@ from ..model.equilibrium import find_equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
 from ..model.load_tables import Pairs
-from ..model.vibration_scale import LOADED
+from ..model.operating_point import LOADED
 from ..results.result import Result
 from ..results.statistics import group_of, stage_of, statistics, steady_start, window
 from ..simulation.simulate import simulate

@@ -103,7 +103,7 @@ def test_a_late_variant_that_the_machine_cannot_build_is_no_row(tmp_path, monkey
     def failing(*arguments):
         raise CompileError("no room for the library")
 
-    late = filling.Outcome(0, task.UNBUILT)
+    late = filling.PointOutcome(0, task.UNBUILT)
     monkeypatch.setattr(filling, "compute_points", lambda plan, points, pool: [late] if 0 in points else [])
     monkeypatch.setattr(filling, "_build_late", failing)
     with pytest.raises(CompileError, match=r"no room for the library; .*run the same command again.*0 of 4 rows"):

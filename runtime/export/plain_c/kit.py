@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ltcgear.generated.contract import HELD
 
-from ...model import continuation, equilibrium, vibration_scale
+from ...model import continuation, equilibrium, operating_point
 from ...model.cstruct import FAULTS, FIELDS, SOURCES, source
 from ...simulation import contact_events, driver, method_limits
 from ...simulation.methods import stepper
@@ -24,7 +24,7 @@ HEAD = """/* The integration of a gearbox that ltcgear has turned into C, see lt
 CONSTANTS = {
     "SHORTEST": driver.SHORTEST, "LONGEST": driver.LONGEST, "FINEST": driver.FINEST,
     "MOST_STEPS": stepper.MOST_STEPS,
-    "SLACK": contact_events.SLACK, "HELD": HELD, "LOADED": vibration_scale.LOADED, "UNLOADED": vibration_scale.UNLOADED,
+    "SLACK": contact_events.SLACK, "HELD": HELD, "LOADED": operating_point.LOADED, "UNLOADED": operating_point.UNLOADED,
     "ROUNDED": equilibrium.ROUNDING, "SETTLED": equilibrium.SETTLED, "LOOSENESS": equilibrium.LOOSE,
     "OPENNESS": equilibrium.OPEN, "FIRST_PART": continuation.FIRST, "SMALLEST_PART": continuation.SMALLEST,
     "PART_GROWTH": continuation.GROWTH, "REACH": method_limits.REACH,
