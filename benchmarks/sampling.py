@@ -5,12 +5,15 @@ variants in turn, the least of many.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from time import thread_time
 
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation.integration import Integration
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.simulate import Run
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -28,13 +31,13 @@ def variants() -> dict[str, Callable[[], object]]:
     library = build(obtain(model))
     p = library.parameters(model.values())
     at = find_equilibrium(library, p)
-    options = {"t_end": T_END, "rate": RATE, "method": "erk", "rtol": RTOL, "tables": None}
+    settings = RunSettings(T_END, RATE, "erk", RTOL)
 
     def march() -> None:
-        Integration(library, p, at, **options).follow(lambda block, points: None)
+        Integration(OperatingPoint(library, p, at), settings).follow(lambda block, points: None)
 
     def run(raw: bool) -> None:
-        made = Run(library, p, raw=raw, **options)
+        made = Run(library, p, replace(settings, raw=raw))
         made.follow(lambda t: None)
         made.conclude()
 

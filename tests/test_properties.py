@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from ltcgear.runtime.model.function import Kernel
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.runtime.simulation.integration import integrate
 
@@ -103,7 +104,7 @@ def test_a_short_run_keeps_its_books(raw, seed):
     pushed = type(at)(x, at.levels, 0.0, 0)
     path = integrate(stage.library, stage.p, pushed, t_end=0.01, rate=8000.0, method="erk", rtol=1e-8)
     assert path.status == "done"
-    assert abs(energy_residual(stage.library, stage.p, at, path)) < 1e-5
+    assert abs(energy_residual(OperatingPoint(stage.library, stage.p, at), path)) < 1e-5
 
 
 # --- symmetry

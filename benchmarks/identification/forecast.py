@@ -8,6 +8,8 @@ from ltcgear.runtime.linear.gradients import Gradients
 from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.model.operating_point import OperatingPoint
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.studies.sensitivity.adjoint import differentiate_course
 from ltcgear.runtime.studies.sensitivity.course import Course, follow_course
 from ltcgear.runtime.studies.sensitivity.jumps import gradient_of
@@ -73,7 +75,9 @@ class Forecast:
     def __init__(self, library: Library, p: Vector, targets: list[Target], span: Span) -> None:
         self.library, self.p, self.targets, self.span = library, p, targets, span
         self.at: Equilibrium = find_equilibrium(library, p)
-        self.course: Course = follow_course(library, p, self.at, t_end=span.t_end, method="erk", rtol=span.rtol)
+        self.course: Course = follow_course(
+            OperatingPoint(library, p, self.at), RunSettings(span.t_end, None, "erk", span.rtol)
+        )
         self.places = [find_output(library.manifest, target.output) for target in targets]
         report = Kernel(library.functions["outputs"])(self.at.x, self.at.s, p)[0]
         self.static = [float(report[place]) for place in self.places]

@@ -9,8 +9,8 @@ from ltcgear.runtime.model.contact_levels import Phases, cells_of, levels_of, up
 from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.model.vibration_scale import vibration_scale
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.scene.load import load_scene
@@ -48,7 +48,7 @@ class Rig:
     @cached_property
     def scale(self) -> Vector:
         """Return the size of each state to which absolute tolerances refer."""
-        return vibration_scale(self.library, self.at, self.p)
+        return OperatingPoint(self.library, self.p, self.at).scale
 
     @cached_property
     def times(self) -> Vector:

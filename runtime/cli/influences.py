@@ -45,7 +45,7 @@ def sensitivity(
     top: Top = None, file: Listing = None, changes: Changes = None, force: Force = False, as_json: AsJson = False,
 ) -> None:  # fmt: skip
     """Tell what to change: how eigenfrequencies, or an output of a simulation, follow every parameter."""
-    from ..simulation.simulate import check_options
+    from ..simulation.run_settings import check_options
     from ..studies.sensitivity.items import list_modes, list_output
     from ..view.tables.sensitivity_tables import check_listing, make_tables, write_listing
 

@@ -44,7 +44,7 @@ def accuracy(
 ) -> None:  # fmt: skip
     """Measure which accuracy every method gives for its time. Exit code 3 where there is no reference to judge by."""
     from ..simulation.methods.registry import METHODS, find_method
-    from ..simulation.simulate import check_options
+    from ..simulation.run_settings import check_options
     from ..studies.accuracy.phases import measure_phases
     from ..studies.accuracy.presets import check_preset
     from ..studies.accuracy.record import keep, write_record

@@ -40,7 +40,7 @@ def paper(
 ) -> None:
     """Reproduce the paper: its tables and figures beside the simulated ones, on one page (paper.html)."""
     from ..results.result import load
-    from ..simulation.simulate import check_options
+    from ..simulation.run_settings import check_options
     from ..studies.wu2021.comparison import compare
     from ..view.plots import overview_figure, paper_figures
     from ..view.wu2021.paper_page import check_page

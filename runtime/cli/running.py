@@ -91,7 +91,7 @@ def run(
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
     from ..simulation.recording import record
-    from ..simulation.simulate import check_options
+    from ..simulation.run_settings import check_options
     from ..simulation.simulate import simulate as simulate_model
 
     check_options(method, rtol, t_end)
@@ -139,7 +139,7 @@ def cost(
     as_json: AsJson = False,
 ) -> None:
     """Show what each effect of a scene costs, and how far the mesh forces are off without it. With -o, draw it."""
-    from ..simulation.simulate import check_options
+    from ..simulation.run_settings import check_options
     from ..studies.cost import ROUNDS, measure_costs
     from ..view.figures.cost_figures import check_figure, draw_costs
 

@@ -13,9 +13,9 @@ from ..model.contact_levels import Phases, cells_of, levels_of
 from ..model.equilibrium import Equilibrium, settled
 from ..model.function import Kernel
 from ..model.library import Library
+from ..model.operating_point import OperatingPoint
 from ..model.parameter_values import name_values
 from ..model.phase_wrapping import TURN
-from ..model.vibration_scale import vibration_scale
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -161,7 +161,7 @@ def linearise(library: Library, p: Vector, at: Equilibrium, turn: float | None =
         at = _turned(library, p, at, turn)
     known = library.manifest.reference == "speed"
     kept = np.array([i for i, name in enumerate(names) if not (known and name == "reference.angle")], dtype=np.int64)
-    scale = vibration_scale(library, at, p)
+    scale = OperatingPoint(library, p, at).scale
     jacobian = library.functions["jac_rhs"]
     whole = _sparse(jacobian.sparsity_out(0), Kernel(jacobian)(at.x, at.s, p, 0.0)[0])
     return Linear(library, at, p, scale, kept, whole[kept][:, kept], _motions(library, at, p))

@@ -3,7 +3,7 @@
 Two rules say so, for a command to tell 0 where there is 0:
 
 - A train is *unstrained* where neither its loaded equilibrium nor any mesh at any time stores `LOADED`: to such trains
-  the integrator's tolerance refers as to vibrations of 1e-6 J (``vibration_scale``), and what it leaves is far
+  the integrator's tolerance refers as to vibrations of 1e-6 J (``operating_point``), and what it leaves is far
   below that. All its forces and torques are 0, and where nothing turns either, all that moves.
 - Otherwise an item of a quantity is 0 where it stays below `SHARE` of the largest value of that unit (members that
   symmetry holds at rest are 1e-13 to 1e-11 of it), and a force or torque is constant where it varies by less than

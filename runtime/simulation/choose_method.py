@@ -4,7 +4,6 @@ The linearised model tells both. Its eigenvalues bound an explicit step; the par
 of stiffness, errors of teeth and loads set going says how long a step may be for accuracy.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import casadi as ca
@@ -12,18 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.blas import single_threaded
-from ..model.equilibrium import Equilibrium, closed, settled, state_matrix
+from ..model.equilibrium import settled
 from ..model.function import Kernel
 from ..model.library import Library
-from ..model.load_tables import Pairs
-from ..model.vibration_scale import vibration_scale
+from ..model.operating_point import Complex, OperatingPoint
 from .driver import LONGEST
 from .duty import Changes, list_duty
 from .methods.registry import ERK, ROSENBROCK
+from .run_settings import RunSettings
 
 Vector = NDArray[np.float64]
 UNCHANGED = Changes(np.zeros(0), np.zeros(0))
-Complex = NDArray[np.complex128]
 GROWTH = np.polynomial.Polynomial([1, 1, 1 / 2, 1 / 6, 1 / 24, 1 / 120, 0.001432211324807348])
 """Growth of a mode in a step, over h lambda, by the explicit 5(4) pair (Tsitouras 2011)."""
 REACH = np.linspace(0.5, 3.7, 321)
@@ -79,22 +77,9 @@ class Pace:
 
 
 @single_threaded()
-def choose(
-    library: Library, at: Equilibrium, p: Vector, rtol: float, tables: Mapping[str, Pairs] | None = None,
-    t_end: float | None = None,
-) -> Choice:  # fmt: skip
-    """Choose between ``erk`` and ``rosenbrock`` by the steps both need and what a step costs.
-
-    Parameters
-    ----------
-    library, at, p
-        Model, its loaded equilibrium, parameters.
-    rtol
-        Relative tolerance of the run.
-    tables, t_end
-        The model's tables over time and the time to simulate [s]: how long it is at which speed (``duty``).
-    """
-    pace, (explicit, stiff) = reckon(library, at, p, rtol, tables, t_end), step_operations(library)
+def choose(point: OperatingPoint, settings: RunSettings) -> Choice:
+    """Choose between ``erk`` and ``rosenbrock`` by the steps that a run needs of both and what a step costs."""
+    pace, (explicit, stiff) = reckon(point, settings), step_operations(point.library)
     if not pace.stiff:
         still, slow = "nothing sets the model going from its equilibrium", pace.stable * explicit > IDLE
         return Choice((ROSENBROCK if slow else ERK).name, still)
@@ -109,27 +94,25 @@ def choose(
     return Choice((ROSENBROCK if costs[0] > GAIN * costs[1] else ERK).name, why)
 
 
-def reckon(
-    library: Library, at: Equilibrium, p: Vector, rtol: float, tables: Mapping[str, Pairs] | None,
-    t_end: float | None,
-) -> Pace:  # fmt: skip
-    """Return what a run takes a second, its mean over the duty; parameters are those of ``choose``."""
-    parts = list_duty(library, at, p, tables, t_end)
-    paces = [_pace_at(library, part.at, p, rtol, part.changes) for part in parts]
+def reckon(point: OperatingPoint, settings: RunSettings) -> Pace:
+    """Return what a run takes a second, its mean over the duty."""
+    parts = list_duty(point, settings)
+    paces = [_pace_at(part.point, settings.rtol, part.changes) for part in parts]
     shares = np.array([part.share for part in parts])
     rows = np.array([[pace.explicit, pace.stiff, *pace.segments, pace.stable] for pace in paces])
     explicit, stiff, one, two, stable = (shares @ rows).tolist()
     return Pace(explicit, stiff, (one, two), max(pace.fastest for pace in paces), stable)
 
 
-def _pace_at(library: Library, at: Equilibrium, p: Vector, rtol: float, changes: Changes) -> Pace:
-    """Return what a run takes a second while speeds and loads are about those of a state."""
-    values, accuracy = excited_rates(library, at, p, rtol, changes)
+def _pace_at(point: OperatingPoint, rtol: float, changes: Changes) -> Pace:
+    """Return what a run takes a second while speeds and loads are about those of a point."""
+    values, accuracy = excited_rates(point, rtol, changes)
     stable, fastest = stability_rate(values), float(np.abs(values).max(initial=0.0))
     steps = [float(np.trapezoid(rate, TIMES)) for rate in (np.maximum(accuracy, stable), accuracy)]
     bound = float(np.trapezoid(accuracy < stable, TIMES))
     segments = 0.0, 0.0
-    if library.manifest.levels or library.manifest.signals or library.manifest.holds:
+    manifest = point.library.manifest
+    if manifest.levels or manifest.signals or manifest.holds:
         most = fastest / SHORTEST
         resting = max(min(steps[1] / PER_SEGMENT, most), most / LONGEST)
         segments = bound * most + (1 - bound) * resting, resting
@@ -157,16 +140,14 @@ def step_operations(library: Library) -> tuple[float, float]:
     return PER_STEP * stage, STAGES * stage + jacobian + SPARSE * sparse
 
 
-def excited_rates(
-    library: Library, at: Equilibrium, p: Vector, rtol: float, changes: Changes = UNCHANGED
-) -> tuple[Complex, Vector]:
+def excited_rates(point: OperatingPoint, rtol: float, changes: Changes = UNCHANGED) -> tuple[Complex, Vector]:
     """Return the eigenvalues [1/s], and steps a second that accuracy calls for at TIMES between two switchings.
 
     A jump leaves each mode with an amplitude that dies away until the next one. What varies without jumps feeds its
     modes all the time.
     """
-    values, amplitude, shapes = excited_modes(library, at, p, vibration_scale(library, at, p), changes)
-    decay = _decay(library, at, p, values)
+    values, amplitude, shapes = excited_modes(point, changes)
+    decay = _decay(point, values)
     weight = np.maximum(shapes @ amplitude, 1.0)
     size = (shapes / weight[:, None]).max(axis=0) * amplitude
     angles = (ERROR * size[:, None] * np.exp(-np.outer(decay, TIMES)) / rtol) ** 0.2
@@ -177,17 +158,13 @@ def excited_rates(
     return values, np.maximum(rates.max(axis=0, initial=0.0), least)
 
 
-def excited_modes(
-    library: Library, at: Equilibrium, p: Vector, scale: Vector, changes: Changes = UNCHANGED
-) -> tuple[Complex, Vector, Vector]:
+def excited_modes(point: OperatingPoint, changes: Changes = UNCHANGED) -> tuple[Complex, Vector, Vector]:
     """Return how far the modes are set going by jumps of stiffness, errors of teeth and loads.
 
     Parameters
     ----------
-    library, at, p
-        Model, its loaded equilibrium, parameters.
-    scale
-        See ``scaling.vibration_scale``, shape (n,).
+    point
+        Where the modes are taken.
     changes
         Of load signals over time.
 
@@ -197,32 +174,25 @@ def excited_modes(
         Eigenvalues of all modes that are not rigid [1/s], shape (m,), their amplitudes in scaled coordinates after many
         pushes, shape (m,), and the magnitudes of their shapes, shape (n, m).
     """
-    values, shapes = _modes(library, at, p, scale)
-    jumps, swings = _pushes(library, at, p), _swings(library, at, p, changes)
-    pushes = np.hstack([jumps, swings]) / scale[:, None]
+    values, shapes = point.stiffest_spectrum
+    jumps, swings = _pushes(point), _swings(point, changes)
+    pushes = np.hstack([jumps, swings]) / point.scale[:, None]
     moving = np.abs(values) > RIGID * np.abs(values).max()
     parts = np.linalg.lstsq(shapes, pushes.astype(np.complex128), rcond=None)[0][moving]
     values, sizes = values[moving], np.abs(shapes[:, moving])
     parts[:, jumps.shape[1] :] *= np.minimum(1.0, 2 * np.multiply.outer(1 / np.abs(values), changes.rates))
-    staying = 1 / np.sqrt(np.maximum(1 - np.exp(-2 * _decay(library, at, p, values)), 1e-3))
+    staying = 1 / np.sqrt(np.maximum(1 - np.exp(-2 * _decay(point, values)), 1e-3))
     return values, np.abs(parts).max(axis=1, initial=0.0) / np.abs(values) * staying, sizes
 
 
-def _decay(library: Library, at: Equilibrium, p: Vector, values: Complex) -> Vector:
+def _decay(point: OperatingPoint, values: Complex) -> Vector:
     """Return the exponent by which each mode dies away between two switchings [1]."""
-    return np.asarray(np.maximum(-values.real, 0.0) * (_between(library, at, p) if len(at.levels) else 0.0))
+    return np.asarray(np.maximum(-values.real, 0.0) * (_between(point) if len(point.at.levels) else 0.0))
 
 
-def _modes(library: Library, at: Equilibrium, p: Vector, scale: Vector) -> tuple[Complex, Complex]:
-    """Return eigenvalues and shapes where the model is stiffest: both pairs in contact, teeth closed."""
-    s = np.concatenate([np.ones(len(at.levels)), at.signals])
-    matrix = state_matrix(library, at.x, s, closed(library, p)) * scale[None, :] / scale[:, None]
-    values, shapes = np.linalg.eig(matrix)
-    return values.astype(np.complex128), shapes.astype(np.complex128)
-
-
-def _pushes(library: Library, at: Equilibrium, p: Vector) -> Vector:
+def _pushes(point: OperatingPoint) -> Vector:
     """Return the jumps of the accelerations: what is out of balance at the start, and by each mesh's level."""
+    library, at, p = point.library, point.at, point.p
     rhs = Kernel(library.functions["rhs"])
     count = len(at.levels)
 
@@ -235,16 +205,16 @@ def _pushes(library: Library, at: Equilibrium, p: Vector) -> Vector:
     return np.array(pushes).T
 
 
-def _swings(library: Library, at: Equilibrium, p: Vector, changes: Changes) -> Vector:
+def _swings(point: OperatingPoint, changes: Changes) -> Vector:
     """Return by how much accelerations change with each load signal over time, shape (n, signals)."""
-    rhs = Kernel(library.functions["rhs"])
+    at, p, rhs = point.at, point.p, Kernel(point.library.functions["rhs"])
     first = rhs(at.x, at.s, p)[0].copy()
     found = [rhs(at.x, np.concatenate([at.levels, at.signals + row]), p)[0] - first for row in np.diag(changes.sizes)]
     return np.array(found).reshape(-1, len(at.x)).T
 
 
-def _between(library: Library, at: Equilibrium, p: Vector) -> float:
+def _between(point: OperatingPoint) -> float:
     """Return the mean time between switchings [s]; a second where nothing switches."""
-    tau_rate = Kernel(library.functions["phases"])(at.x, at.s, p)[1]
+    tau_rate = Kernel(point.library.functions["phases"])(point.at.x, point.at.s, point.p)[1]
     often = float(2 * np.abs(tau_rate).sum()) if len(tau_rate) else 0.0
     return 1 / often if often > 0 else 1.0

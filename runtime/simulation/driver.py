@@ -15,21 +15,21 @@ from numpy.typing import NDArray
 
 from ..model.contact_levels import Cells, Phases, cells_of, expected_switchings, levels_of
 from ..model.cstruct import FAULTS, FINE, NAMES, STAGES, STOPPED, Native
-from ..model.equilibrium import Equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
 from ..model.load_tables import Signals
+from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import TURN, Clocks
-from ..model.vibration_scale import fastest, vibration_scale
 from ..results.checkpoint import Snapshot
 from ..results.peaks import MeshExtremes
 from .contact_events import Regimes
 from .dense_output import Chebyshev, Nodes, Uniform
 from .event_functions import Watch
 from .methods import stepper
-from .methods.registry import Method, find_method
+from .methods.registry import Method
 from .methods.stepper import Counts, SegmentProblem, Stepper
 from .quadrature import MOST, lobatto_rules
+from .run_settings import RunSettings
 from .smooth_arc import Frame
 
 Vector = NDArray[np.float64]
@@ -60,12 +60,10 @@ class March:
 
     Parameters
     ----------
-    library, p, at
-        Model, parameters and initial state.
-    method, rtol
-        See ``stepper``.
-    samples, rate
-        Samples to take after the first, and how many a second [Hz].
+    point
+        The model where the motion begins.
+    settings
+        Method, tolerance, time and sampling rate.
     signals
         The load signals.
     dense
@@ -90,33 +88,42 @@ class March:
     """
 
     def __init__(
-        self, library: Library, p: Vector, at: Equilibrium, method: str, rtol: float, samples: int, rate: float,
-        signals: Signals, dense: bool = False, passing: float | None = None,
+        self, point: OperatingPoint, settings: RunSettings, signals: Signals, *, dense: bool = False,
+        passing: float | None = None,
     ) -> None:  # fmt: skip
-        self.library, self.signals, self.rtol = library, signals, rtol
+        library = self.library = point.library
+        self.signals, self.rtol = signals, settings.rtol
+        samples, rate = settings.samples, settings.sampling_rate
         names = [state.name for state in library.manifest.states]
         self.angle = names.index("reference.angle") if "reference.angle" in names else -1
-        self.held, self.clocks = held_speed(library, p), Clocks(library.manifest, p)
-        self.turns = 0 if self.angle < 0 else self.clocks.turns_in(float(at.x[self.angle]))
-        self.at = at = replace(at, x=at.x.copy())
-        at.x[self.angle] -= TURN * self.turns
+        self.held, self.clocks = held_speed(library, point.p), Clocks(library.manifest, point.p)
+        self.turns = 0 if self.angle < 0 else self.clocks.turns_in(float(point.at.x[self.angle]))
+        self.point = self._less_turns(point)
         self.native = native = Native()
         self.state = native.state
         self.p = native.share("p", self.clocks.parameters(self.turns))
-        self.frame = Frame(at.x, vibration_scale(library, at, self.p))
-        self.z = native.share("z", np.zeros(len(at.x)))
-        self._lay_out(chosen := find_method(method), samples, rate, dense, passing)
+        self.frame = Frame(self.point.at.x.copy(), self.point.scale)
+        self.z = native.share("z", np.zeros(len(self.frame.origin)))
+        self._lay_out(chosen := settings.integrator, samples, rate, dense, passing)
         self._set_levels(names)
         self._set_regimes(signals.at(0.0), self.angle if self.angle >= 0 and "reference.speed" not in names else None)
         self._set_room(samples, rate)
         self._bind()
         watch = Watch(self.regimes, self.phase_kernel, self.p, self.cells)
-        self.stepper = chosen.make(SegmentProblem(library, self.p, rtol, self.frame, self.nodes.points[1:], watch))
+        self.stepper = chosen.make(SegmentProblem(library, self.p, self.rtol, self.frame, self.nodes.points[1:], watch))
         if self.stepper is not None:
             self.state.finds_borders = self.stepper.finds_borders
             native.call_back(partial(self._advance, self.stepper))
         self.broken: BaseException | None = None
         self.first_energy = self.energy(self.z, self.cells, signals.at(0.0))
+
+    def _less_turns(self, point: OperatingPoint) -> OperatingPoint:
+        """Return the point with whole turns taken off the reference angle; itself where there are none."""
+        if not self.turns:
+            return point
+        x = point.at.x.copy()
+        x[self.angle] -= TURN * self.turns
+        return replace(point, p=self.clocks.parameters(self.turns), at=replace(point.at, x=x))
 
     def _lay_out(self, method: Method, samples: int, rate: float, dense: bool, passing: float | None) -> None:
         """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
@@ -127,7 +134,7 @@ class March:
         lie far apart, lest they run out of steps, and so do all whose points are taken, which nodes are there.
         """
         state, share, manifest = self.state, self.native.share, self.library.manifest
-        quickest = fastest(self.library, self.at, self.p)
+        quickest = self.point.fastest
         self.nodes: Nodes
         if dense or manifest.levels or manifest.signals or manifest.holds:
             count, turn = (24, 16.0) if method.multistep else (16, 8.0)
@@ -253,7 +260,7 @@ class March:
     def _reference_speed(self) -> float:
         """Return the size of the reference speed at the start [rad/s]."""
         names = [state.name for state in self.library.manifest.states]
-        free = float(self.at.x[names.index("reference.speed")]) if "reference.speed" in names else 0.0
+        free = float(self.point.at.x[names.index("reference.speed")]) if "reference.speed" in names else 0.0
         return abs(free if self.held is None else self.held)
 
     def phases(self, z: Vector, signals: Vector) -> Phases:

@@ -3,16 +3,15 @@
 Friction is steepest at rest and teeth come and go with the speed, so what steps a run takes is a mean over its speeds.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.equilibrium import Equilibrium
 from ..model.function import Kernel
-from ..model.library import Library
-from ..model.load_tables import Pairs, Signals
+from ..model.load_tables import Signals
+from ..model.operating_point import OperatingPoint
+from .run_settings import RunSettings
 
 Vector = NDArray[np.float64]
 INSTANTS = 512
@@ -33,33 +32,22 @@ class Changes:
 
 @dataclass(frozen=True)
 class DutyPart:
-    """A share of a run's time in which its speed is about the same: a state of it, and the changes of its loads."""
+    """A share of a run's time in which its speed is about the same: where it is then, and the changes of its loads."""
 
     share: float
-    at: Equilibrium
+    point: OperatingPoint
     changes: Changes
 
 
-def list_duty(
-    library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None, t_end: float | None
-) -> list[DutyPart]:
-    """Return the parts of a run; the equilibrium alone where nothing tells how long it is.
-
-    Parameters
-    ----------
-    library, at, p
-        Model, its loaded equilibrium, parameters.
-    tables
-        The model's tables over time, by name.
-    t_end
-        Time to simulate [s].
-    """
+def list_duty(point: OperatingPoint, settings: RunSettings) -> list[DutyPart]:
+    """Return the parts of a run; the operating point alone where speed and loads stay."""
+    library, at, p = point.library, point.at, point.p
     kinds, names = library.manifest.signals, [state.name for state in library.manifest.states]
     free = names.index("reference.speed") if "reference.speed" in names else None
-    if t_end is None or (kinds and not tables) or not (kinds or free is not None):
-        return [DutyPart(1.0, at, Changes(np.zeros(0), np.zeros(0)))]
-    signals = Signals(kinds, tables or {})
-    time, weight = _instants(signals, t_end)
+    if (kinds and not settings.tables) or not (kinds or free is not None):
+        return [DutyPart(1.0, point, Changes(np.zeros(0), np.zeros(0)))]
+    signals = Signals(kinds, settings.tables or {})
+    time, weight = _instants(signals, settings.t_end)
     values, changes = signals.over(time), _changes(signals, time)
     speed = np.zeros(len(time))
     if free is not None:
@@ -74,7 +62,8 @@ def list_duty(
         x = at.x.copy()
         if free is not None:
             x[free] = speed[middle]
-        parts.append(DutyPart(float(weight[chosen].sum()), replace(at, x=x, signals=values[middle]), changes))
+        there = replace(point, at=replace(at, x=x, signals=values[middle]))
+        parts.append(DutyPart(float(weight[chosen].sum()), there, changes))
     return parts
 
 

@@ -1,18 +1,11 @@
 """Energy balance of a run."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..model.energy_levels import UNLOADED
-from ..model.equilibrium import Equilibrium
-from ..model.function import Kernel
-from ..model.library import Library
+from ..model.operating_point import OperatingPoint
 from .integration import Outcome
 
-Vector = NDArray[np.float64]
 
-
-def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Outcome) -> float:
+def energy_residual(point: OperatingPoint, path: Outcome) -> float:
     """Return what is missing in the energy balance, over the strain energy of the start.
 
     Energy at the end less energy at the start, less work of loads, drives and dampers, less what the
@@ -20,6 +13,5 @@ def energy_residual(library: Library, p: Vector, at: Equilibrium, path: Outcome)
     (the size of vibrations that tolerances then refer to), it is taken over that, or over all work.
     """
     missing = path.energy[1] - path.energy[0] - path.work - path.jump_energy
-    strain = float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
-    freedoms = len(library.index(""))
-    return missing / max(strain, abs(path.work) + abs(path.jump_energy), UNLOADED * freedoms)
+    freedoms = len(point.library.index(""))
+    return missing / max(point.strain, abs(path.work) + abs(path.jump_energy), UNLOADED * freedoms)

@@ -25,12 +25,11 @@ from ..results.dataset import make_dataset
 from ..results.result import Result
 from ..results.samples import no_rows
 from .choose_method import Choice
-from .integration import check_length
-from .methods.registry import METHODS
 from .methods.stepper import Counts
 from .room import check_size
+from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings
 from .sampling_rate import Rate
-from .simulate import DEFAULT_METHOD, DEFAULT_RTOL, Run, check_options, list_settings
+from .simulate import Run, list_settings
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
@@ -83,14 +82,12 @@ def simulate_many(
         If an option or a parameter set is wrong, before anything runs.
     """
     given, count = list(sets), _count_workers(workers)
-    check_options(method, rtol, t_end, rate)
+    settings = RunSettings(t_end, rate, method, rtol, raw, tables, long=long).checked()
     _check_sets(library, given)
     if rate is not None:
-        check_length(t_end * rate)
         check_size(library, t_end * rate * min(len(given), AHEAD * count + 1))
-    options = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "raw": raw, "tables": tables, "long": long}
     vectors = [library.parameters(values) for values in given]
-    return _Ensemble(library, vectors, options, attributes, told).results(count)
+    return _Ensemble(library, vectors, settings, attributes, told).results(count)
 
 
 def _count_workers(workers: int | None) -> int:
@@ -119,10 +116,10 @@ class _Ensemble:
     """
 
     def __init__(
-        self, library: Library, vectors: Sequence[Vector], options: dict[str, Any],
+        self, library: Library, vectors: Sequence[Vector], settings: RunSettings,
         attributes: Mapping[str, Any] | None, told: Told,
     ) -> None:  # fmt: skip
-        self.library, self.vectors, self.options = library, vectors, options
+        self.library, self.vectors, self.settings = library, vectors, settings
         self.attributes, self.told = attributes, told
         self.runs: dict[int, Run] = {}
         self.refused: dict[int, LtcgearError] = {}
@@ -147,13 +144,13 @@ class _Ensemble:
     def _start(self, k: int, pool: ThreadPoolExecutor) -> Future[None] | None:
         """Set a run up and let a worker follow it; one that needs CasADi all the time is followed here and now."""
         try:
-            run = self.runs[k] = Run(self.library, self.vectors[k], **self.options)
+            run = self.runs[k] = Run(self.library, self.vectors[k], self.settings)
         except MachineError:
             raise
         except LtcgearError as error:
             self.refused[k] = error
             return None
-        if METHODS[run.settings["method"]].in_march:
+        if run.settings.integrator.in_march:
             return pool.submit(self._follow, k, self._note)
         self._follow(k, self._tell)
         if run.integration.status.startswith("interrupted"):
@@ -166,14 +163,14 @@ class _Ensemble:
 
     def _tell(self, k: int, time: float) -> None:
         """Tell how far all runs are, one of which has come to a time."""
-        self.reached[k] = min(time, self.options["t_end"])
+        self.reached[k] = min(time, self.settings.t_end)
         self.told(sum(self.reached))
 
     def _note(self, k: int, time: float) -> None:
         """Note how far a run is; stop it if nobody waits for it."""
         if self.stopped:
             raise _StoppedError
-        self.reached[k] = min(time, self.options["t_end"])
+        self.reached[k] = min(time, self.settings.t_end)
 
     def _result(self, k: int, future: Future[None] | None) -> Result:
         """Wait for a run and conclude it."""
@@ -185,15 +182,15 @@ class _Ensemble:
             if future is not None:
                 future.result()
             dataset, summary = self.runs.pop(k).conclude()
-        self._tell(k, self.options["t_end"])
+        self._tell(k, self.settings.t_end)
         dataset.attrs |= to_attributes(self.attributes, summary)
         return Result(dataset, summary)
 
     def _nothing(self, k: int, error: LtcgearError) -> tuple[Any, dict[str, Any]]:
         """Return data and summary of a run that could not begin."""
-        options = self.options
-        choice, sampling = Choice(options["method"], None), Rate(options["rate"] or math.nan, None)
-        settings = list_settings(self.library, choice, options["rtol"], sampling, options["raw"])
+        given = self.settings
+        choice, sampling = Choice(given.method, None), Rate(given.rate or math.nan, None)
+        settings = list_settings(self.library, choice, given.rtol, sampling, given.raw)
         counts = asdict(Counts()) | {"expected_events": 0}
         summary = settings | {"status": str(error), "simulated_s": 0.0, "counts": counts, "forces": {}, "seconds": {}}
         return make_dataset(self.library, self.vectors[k], no_rows(self.library)), summary | {"warnings": []}

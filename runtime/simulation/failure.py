@@ -5,7 +5,6 @@ from numpy.typing import NDArray
 
 from ..model.contact_levels import levels_of
 from ..model.function import Kernel
-from ..model.vibration_scale import fastest
 from .driver import March
 
 Vector = NDArray[np.float64]
@@ -46,7 +45,7 @@ def _last_state(march: March) -> tuple[Vector, Vector]:
     rhs = Kernel(march.library.functions["rhs"])
     rest, slope = np.zeros(len(march.cells)), march.signals.rate(march.time)
     s, rate = np.concatenate([levels_of(march.cells), march.signals.at(march.time)]), np.concatenate([rest, slope])
-    x, h = march.frame.origin + march.frame.scale * march.z, STEP / fastest(march.library, march.at, march.p)
+    x, h = march.frame.origin + march.frame.scale * march.z, STEP / march.point.fastest
     for _ in range(min(int(march.state.longest / h), MOST_STEPS)):
         one = rhs(x, s, march.p)[0].copy()
         two = rhs(x + h / 2 * one, s + h / 2 * rate, march.p)[0].copy()

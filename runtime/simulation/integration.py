@@ -3,11 +3,9 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
 
 import numpy as np
-from ltcgear.generated.contract import MOST_SAMPLES
-from ltcgear.generated.errors import LtcgearError, SolverError
+from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
 from ..model.blas import single_threaded
@@ -15,6 +13,7 @@ from ..model.contact_levels import levels_of
 from ..model.equilibrium import Equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs, Signals
+from ..model.operating_point import OperatingPoint
 from ..results.checkpoint import Snapshot
 from ..results.peaks import MeshExtremes
 from .driver import March
@@ -22,6 +21,7 @@ from .failure import explain
 from .interrupt import Brake
 from .method_limits import check_run
 from .methods.stepper import Counts
+from .run_settings import RunSettings, check_length
 from .sampling import Block, Points, Samples, join
 
 Vector = NDArray[np.float64]
@@ -79,33 +79,17 @@ class Trajectory(Outcome, Block):
     """An integration with all its samples."""
 
 
-def check_length(samples: float) -> None:
-    """Refuse a run of less than one sample, or of more than a result may hold."""
-    if samples > MOST_SAMPLES:
-        raise LtcgearError(f"t_end times rate are {samples:.2g} samples, above {MOST_SAMPLES:.0e}; lower t_end or rate")
-    if round(samples) < 1:
-        raise LtcgearError("t_end is shorter than one sample; simulate longer or raise simulation.rate")
-
-
 class Integration:
     """An integration on its way, which hands its samples on.
 
     Parameters
     ----------
-    library, p, at
-        Model, parameters and initial state.
-    t_end
-        Time to simulate [s].
-    rate
-        Samples a second [Hz].
-    method, rtol
-        See ``stepper``.
-    tables
-        The model's tables over time, by name.
+    point
+        The model where the motion begins.
+    settings
+        Settings, method and sampling rate chosen.
     passing
-        See ``march.March``.
-    long
-        Whether it may take more than an hour, see ``guard``.
+        See ``driver.March``.
 
     Raises
     ------
@@ -116,23 +100,19 @@ class Integration:
     """
 
     @single_threaded()
-    def __init__(
-        self, library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
-        tables: Mapping[str, Pairs] | None = None, passing: float | None = None, long: bool = False,
-    ) -> None:  # fmt: skip
-        clock = perf_counter()
-        check_length(t_end * rate)
-        last = round(t_end * rate)
-        self.signals = Signals(library.manifest.signals, tables or {})
-        check_run(library, at, p, method=method, rtol=rtol, t_end=t_end, rate=rate, tables=tables, long=long)
-        self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {rtol:g})"
+    def __init__(self, point: OperatingPoint, settings: RunSettings, *, passing: float | None = None) -> None:
+        clock, method, rate = perf_counter(), settings.method, settings.sampling_rate
+        check_length(settings.t_end * rate)
+        self.signals = Signals(point.library.manifest.signals, settings.tables or {})
+        check_run(point, settings)
+        self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {settings.rtol:g})"
         try:
-            self.march = March(library, p, at, method, rtol, last, rate, self.signals, passing=passing)
+            self.march = March(point, settings, self.signals, passing=passing)
         except RuntimeError as error:
             raise SolverError(f"{method} cannot be set up: {str(error).splitlines()[-1]}") from error
         self.push: Push = lambda block, points: None
         self.status = self.cause = ""
-        self.samples = Samples(self.march, last, rate, self._push)
+        self.samples = Samples(self.march, settings.samples, rate, self._push)
         self.seconds = {"prepare": perf_counter() - clock, "integrate": 0.0, "outputs": 0.0}
         self.clock = perf_counter()
 
@@ -236,8 +216,10 @@ def integrate(
 
     Parameters
     ----------
-    library, p, at, t_end, rate, method, rtol, tables
-        See ``Integration``.
+    library, p, at
+        Model, parameters and initial state.
+    t_end, rate, method, rtol, tables
+        See ``RunSettings``.
     told
         Called with the simulated time now and then.
 
@@ -247,6 +229,8 @@ def integrate(
         A failure is a status in it, and what was computed until then is kept.
     """
     kept: list[Block] = []
-    options: dict[str, Any] = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "tables": tables}
-    outcome = Integration(library, p, at, **options).proceed(lambda block, points: kept.append(block), told)
+    settings = RunSettings(t_end, rate, method, rtol, tables=tables)
+    outcome = Integration(OperatingPoint(library, p, at), settings).proceed(
+        lambda block, points: kept.append(block), told
+    )
     return Trajectory(**vars(outcome), **vars(join(kept)))

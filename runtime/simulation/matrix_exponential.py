@@ -18,7 +18,7 @@ from scipy.linalg import expm
 from ..model.equilibrium import Equilibrium, state_matrix
 from ..model.function import Kernel
 from ..model.library import Library
-from ..model.vibration_scale import vibration_scale
+from ..model.operating_point import OperatingPoint
 
 Vector = NDArray[np.float64]
 LINEAR = 1e-9
@@ -51,7 +51,7 @@ class Exact:
         if library.manifest.reference == "torque" or library.manifest.signals:
             raise LtcgearError("no exact solution: the jumps are known in advance at a held, constant speed only")
         self.library, self.p, self.start = library, p, at.x
-        self.scale = vibration_scale(library, at, p)
+        self.scale = OperatingPoint(library, p, at).scale
         self.levels = len(library.manifest.levels)
         tau, rate, share = Kernel(library.functions["phases"])(at.x, np.zeros(self.levels), p)
         self.tau, self.rate, self.share = tau.copy(), rate.copy(), share.copy()

@@ -5,22 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
-from numpy.typing import NDArray
 
 from ..linear.modes import find_modes
 from ..linear.system import linearise
-from ..model.equilibrium import Equilibrium, closed, inertias, state_matrix
 from ..model.library import Library
 from ..model.load_tables import Pairs
+from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import TURN, Clocks
-from ..model.vibration_scale import vibration_scale
 from .choose_method import SHORTEST, reckon, step_operations
 from .driver import LONGEST as LONGEST_ARC
-from .methods.registry import METHODS
+from .run_settings import RunSettings
 from .sampling_rate import reference_speed
 
-Vector = NDArray[np.float64]
-Motion = tuple[float, str]
 REACH = 3.5
 """Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Tsitouras is stable."""
 MOST_STEPS = 1e9
@@ -49,10 +45,7 @@ class Work:
     cure: str
 
 
-def check_run(
-    library: Library, at: Equilibrium, p: Vector, *, method: str, rtol: float, t_end: float, rate: float,
-    tables: Mapping[str, Pairs] | None, long: bool,
-) -> None:  # fmt: skip
+def check_run(point: OperatingPoint, settings: RunSettings) -> None:
     """Refuse a run that would take more than about an hour, unless it is asked for (``long``).
 
     The estimate counts operations, so it is the same on every machine. It bounds what is foreseen only: steps of BDF,
@@ -63,14 +56,13 @@ def check_run(
     LtcgearError
         It names what takes so long (body, mesh, samples, table) and the cure.
     """
-    motion = fastest_motion(library, at, p)
-    if METHODS[method].explicit:
-        _check_steps(library, at, p, method, t_end, motion, np.inf if long else MOST_STEPS, f"; {ASKED}")
-    if long:
+    if settings.integrator.explicit:
+        _check_steps(point, settings, np.inf if settings.long else MOST_STEPS, f"; {ASKED}")
+    if settings.long:
         return
     parts = [
-        *_teeth_work(library, at, p, method, t_end, tables), _sample_work(library, t_end, rate),
-        *_table_work(tables), *_step_work(library, at, p, method, rtol, t_end, tables, motion),
+        *_teeth_work(point, settings), _sample_work(point.library, settings), *_table_work(settings.tables),
+        *_step_work(point, settings),
     ]  # fmt: skip
     hours = sum(part.operations for part in parts) / SPEED / 3600
     if hours * 3600 > LONGEST:
@@ -80,7 +72,7 @@ def check_run(
         )
 
 
-def check_explicit(library: Library, at: Equilibrium, p: Vector, method: str, t_end: float) -> None:
+def check_explicit(point: OperatingPoint, settings: RunSettings) -> None:
     """Refuse a run that one fast motion takes from an explicit method: too many steps, or too many for Adams.
 
     Raises
@@ -88,23 +80,22 @@ def check_explicit(library: Library, at: Equilibrium, p: Vector, method: str, t_
     LtcgearError
         It names the body and the cure.
     """
-    _check_steps(library, at, p, method, t_end, fastest_motion(library, at, p), MOST_STEPS, "")
+    _check_steps(point, settings, MOST_STEPS, "")
 
 
-def _check_steps(
-    library: Library, at: Equilibrium, p: Vector, method: str, t_end: float, motion: Motion, most: float, asked: str
-) -> None:
+def _check_steps(point: OperatingPoint, settings: RunSettings, most: float, asked: str) -> None:
     """Refuse more steps than ``most``, and how they may be asked for."""
-    speed, body = motion
-    stiffest = METHODS[method].stiffest
-    slowest = _slowest(library, at, p) if np.isfinite(stiffest) else np.inf
+    method, speed = settings.method, point.fastest
+    stiffest = settings.integrator.stiffest
+    slowest = _slowest(point) if np.isfinite(stiffest) else np.inf
     if speed / slowest > stiffest:
         raise LtcgearError(
-            f"{method} is not for stiff models: {body} swings at {speed:.1e} rad/s, {speed / slowest:.0e} times as "
-            "fast as the slowest motion; use --method rosenbrock or cvodes"
+            f"{method} is not for stiff models: {point.fastest_body} swings at {speed:.1e} rad/s, "
+            f"{speed / slowest:.0e} times as fast as the slowest motion; use --method rosenbrock or cvodes"
         )
-    steps = t_end * speed / REACH
+    steps = settings.t_end * speed / REACH
     if steps > most:
+        body = point.fastest_body
         raise LtcgearError(
             f"{method} would need about {steps:.0e} steps: {body} swings at {speed:.1e} rad/s; "
             f"use --method rosenbrock, give {body.split()[0]} more inertia or softer springs, or simulate less time"
@@ -112,27 +103,26 @@ def _check_steps(
         )
 
 
-def _teeth_work(
-    library: Library, at: Equilibrium, p: Vector, method: str, t_end: float, tables: Mapping[str, Pairs] | None
-) -> list[Work]:
+def _teeth_work(point: OperatingPoint, settings: RunSettings) -> list[Work]:
     """Return the work of teeth that come and go, and of whole turns that are taken off the reference angle."""
-    levels, speed = library.manifest.levels, reference_speed(library, at, p, tables)
+    manifest, t_end = point.library.manifest, settings.t_end
+    levels, speed = manifest.levels, reference_speed(point, settings.tables)
     turns = t_end * speed / TURN
     found = [Work(LEG * turns, f"{turns:.1e} turns of the reference", "lower its speed or simulate less time")]
-    rates = {name: abs(float(course.advance)) for name, course in Clocks(library.manifest, p).by_mesh.items()}
+    rates = {name: abs(float(course.advance)) for name, course in Clocks(manifest, point.p).by_mesh.items()}
     if levels and rates:
         fastest = max(rates, key=lambda mesh: rates[mesh])
         frequency = speed * rates[fastest] / TURN
         switchings = 2 * len(levels) * frequency * t_end
         cause = f"{switchings:.1e} switchings of stiffness: the teeth of {fastest} mesh {frequency:.3g} times a second"
-        each = METHODS[method].segment_operations
+        each = settings.integrator.segment_operations
         found.append(Work(switchings * each, cause, "lower the speed or simulate less time"))
     return found
 
 
-def _sample_work(library: Library, t_end: float, rate: float) -> Work:
+def _sample_work(library: Library, settings: RunSettings) -> Work:
     """Return the work of reading outputs."""
-    samples, manifest = t_end * rate, library.manifest
+    samples, manifest = settings.t_end * settings.sampling_rate, library.manifest
     each = manifest.functions["outputs"].operations + 20 * len(manifest.reports)  # with filter and statistics
     return Work(POINTS * samples * each, f"{samples:.1e} samples", "lower the rate or simulate less time")
 
@@ -143,17 +133,14 @@ def _table_work(tables: Mapping[str, Pairs] | None) -> list[Work]:
     return [Work(LEG * count, f"{count:.1e} rows of {name}", "give fewer rows") for name, count in rows.items()]
 
 
-def _step_work(
-    library: Library, at: Equilibrium, p: Vector, method: str, rtol: float, t_end: float,
-    tables: Mapping[str, Pairs] | None, motion: Motion,
-) -> list[Work]:  # fmt: skip
+def _step_work(point: OperatingPoint, settings: RunSettings) -> list[Work]:
     """Return the work of steps for stability and accuracy, and of the segments that they lie in."""
-    explicit, beside = METHODS[method].explicit, METHODS[method].segment_operations
-    each = step_operations(library)[not explicit]
-    speed, body = motion
+    method, t_end, speed = settings.integrator, settings.t_end, point.fastest
+    explicit, beside = method.explicit, method.segment_operations
+    each = step_operations(point.library)[not explicit]
     if DENSEST * speed * t_end * (each + beside) < SPEED * LONGEST / 4:
         return []
-    pace = reckon(library, at, p, rtol, tables, t_end)
+    pace, body = reckon(point, settings), point.fastest_body
     steps, segments = t_end * (pace.explicit if explicit else pace.stiff), t_end * pace.segments[not explicit]
     operations = steps * each + segments * beside
     # What is above these is held short by the fastest motion, by stability or since segments are.
@@ -164,19 +151,8 @@ def _step_work(
     return [Work(operations, f"{steps:.1e} steps: {body} swings at {speed:.1e} rad/s", cure)]
 
 
-def _slowest(library: Library, at: Equilibrium, p: Vector) -> float:
+def _slowest(point: OperatingPoint) -> float:
     """Return the smallest natural frequency [rad/s] that is not rigid."""
-    found = (mode.frequency_hz for mode in find_modes(linearise(library, p, at)) if mode.kind != "rigid")
+    modes = find_modes(linearise(point.library, point.p, point.at))
+    found = (mode.frequency_hz for mode in modes if mode.kind != "rigid")
     return 2 * np.pi * min((hertz for hertz in found if hertz > 0), default=float("inf"))
-
-
-def fastest_motion(library: Library, at: Equilibrium, p: Vector) -> Motion:
-    """Return the largest modulus [1/s] of an eigenvalue, and the body that this motion moves most."""
-    scale = vibration_scale(library, at, p)
-    matrix = state_matrix(library, at.x, at.s, closed(library, p)) * scale[None, :] / scale[:, None]
-    values, shapes = np.linalg.eig(matrix)
-    top = int(np.abs(values).argmax())
-    shape = np.abs(shapes[:, top] * scale)[library.index(".rate")]
-    energy = inertias(library, p) * shape**2
-    state = library.manifest.states[library.index("")[int(energy.argmax())]]
-    return float(np.abs(values[top])), f"{state.body} ({state.axis})"

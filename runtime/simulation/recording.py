@@ -14,6 +14,7 @@ from ltcgear.generated.writing import check_output, is_forced, remove_drafts
 from ..model.equilibrium import Equilibrium, Vector, find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs, Signals
+from ..model.operating_point import OperatingPoint
 from ..results.attributes import FORCES, GOES_ON, UNFINISHED, to_attributes
 from ..results.checkpoint import AGAIN, Snapshot, checkpoint_of, describe_run, read_checkpoint, write_checkpoint
 from ..results.dataset import columns_of, make_dataset
@@ -21,25 +22,14 @@ from ..results.result import RESULT, SWEEP, tell_kind
 from ..results.row_file import BEGIN_ANEW, Part, part_of, read_part
 from ..results.samples import Rows, no_rows
 from ..results.statistics import Statistics
-from .choose_method import Choice, choose
 from .integration import Integration, Outcome
 from .low_pass import passing_speed
-from .methods.registry import AUTO
 from .methods.stepper import Counts
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_room
+from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings
 from .sampling import Block, Points
-from .simulate import (
-    DEFAULT_METHOD,
-    DEFAULT_RTOL,
-    check_options,
-    list_settings,
-    static_strain,
-    summarise,
-    take_rate,
-    tell_forces,
-    verified,
-)
+from .simulate import resolve, summarise, tell_forces, verified
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,39 +146,36 @@ def record(
         If a file cannot be written.
     """
     target = Path(target)
-    check_options(method, rtol, t_end, rate)
+    given = RunSettings(t_end, rate, method, rtol, raw, tables, verify, long).checked()
     check_recordable(target, resume)
-    settings = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol}
     p, clock = library.parameters(values), perf_counter()
     Signals(library.manifest.signals, tables or {})  # refuses tables before anything is described
-    run = describe_run(library, values, tables or {}, settings | {"raw": raw})
+    run = describe_run(library, values, tables or {}, given.identity())
     with Lock(target):
         check_recordable(target, resume)  # who held it may have left another file
         remove_drafts(target, part_of(target), checkpoint_of(target))
         kept = read_checkpoint(target, run) if resume else None
         at = _equilibrium_of(target, kept) if kept else find_equilibrium(library, p, tables=tables)
         seconds = {"equilibrium": perf_counter() - clock}
-        choice = choose(library, at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
-        sampling = take_rate(library, at, p, t_end, rate, tables)
+        point = OperatingPoint(library, p, at)
+        settings, about = resolve(point, given)
         if not kept:
-            check_room(library, t_end * sampling.rate, target)
-        about = list_settings(library, choice, rtol, sampling, raw)
-        options: dict[str, Any] = settings | {"rate": sampling.rate, "method": choice.method, "tables": tables}
-        integration = Integration(library, p, at, passing=passing_speed(sampling.rate, raw), long=long, **options)
-        reader = Reader(library, p, sampling.rate, t_end, raw)
+            check_room(library, t_end * settings.sampling_rate, target)
+        integration = Integration(point, settings, passing=passing_speed(settings.sampling_rate, raw))
+        reader = Reader(library, p, settings.sampling_rate, t_end, raw)
         if kept:
             _restore(target, kept, integration, reader)
         recorder = Recorder(library, p, target, reader, to_attributes(attributes, BEFORE | about), kept)
         with recorder.part:
             outcome = integration.proceed(recorder.take, told, lambda: recorder.mark(run, integration.snapshot(), at))
             heading = recorder.finish(outcome := judge(reader, outcome))
-            forces = tell_forces(heading, static_strain(library, p, at))
-            summary = about | summarise(library, p, at, outcome, forces, reader)
+            forces = tell_forces(heading, point.strain)
+            summary = about | summarise(point, outcome, forces, reader)
             summary |= {"seconds": seconds | outcome.seconds}
             if summary["status"].startswith("interrupted"):
                 return summary | {"status": f"{summary['status']}; rows are in {recorder.part.path}, {GOES_ON}"}
             if verify:
-                summary |= verified(library, p, at, summary, **options)
+                summary |= verified(point, summary, settings)
             clock = perf_counter()
             recorder.seal(to_attributes(attributes, summary), heading)
             summary["seconds"]["write"] = perf_counter() - clock

@@ -5,18 +5,15 @@ from dataclasses import dataclass
 from math import ceil, log2, pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.blas import single_threaded
-from ..model.equilibrium import Equilibrium, find_equilibrium
+from ..model.equilibrium import find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs
+from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import Clocks
-from ..model.vibration_scale import vibration_scale
 from .choose_method import excited_modes
 from .low_pass import BAND
-
-Vector = NDArray[np.float64]
 
 HARMONICS = 5
 """Harmonics of the fastest mesh that the band shall hold."""
@@ -39,17 +36,17 @@ class Rate:
 
 
 @single_threaded()
-def choose_rate(library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None = None) -> Rate:
+def choose_rate(point: OperatingPoint, tables: Mapping[str, Pairs] | None = None) -> Rate:
     """Choose a sampling rate whose band holds the modes that are set going and the first harmonics of all meshes.
 
     Parameters
     ----------
-    library, at, p
-        Model, its loaded equilibrium, parameters.
+    point
+        The model at its loaded equilibrium.
     tables
         The model's tables over time, by name.
     """
-    modes, mesh = _fastest_mode(library, at, p), mesh_frequency(library, at, p, tables)
+    modes, mesh = _fastest_mode(point), mesh_frequency(point, tables)
     wanted = max(ROOM * modes, HARMONICS * mesh) / BAND
     power = ceil(log2(max(wanted, 1.0)) - 1e-6)  # a rounding does not double a rate
     rate = float(min(max(2**power, LEAST), MOST))
@@ -77,32 +74,33 @@ def find_rate(
     if rate is not None:
         return Rate(rate, None)
     p = library.parameters(values)
-    return choose_rate(library, find_equilibrium(library, p, tables=tables), p, tables)
+    return choose_rate(OperatingPoint(library, p, find_equilibrium(library, p, tables=tables)), tables)
 
 
-def _fastest_mode(library: Library, at: Equilibrium, p: Vector) -> float:
+def _fastest_mode(point: OperatingPoint) -> float:
     """Return the highest frequency [Hz] of the modes that are set going, of all that swing where none is; 0 without."""
-    values, amplitude = excited_modes(library, at, p, vibration_scale(library, at, p))[:2]
+    values, amplitude = excited_modes(point)[:2]
     most = float(amplitude.max(initial=0.0))
     swings = (np.abs(values.imag) > np.abs(values.real)) & (amplitude >= (FAINT * most if most > STILL else 0.0))
     return float(np.abs(values.imag[swings]).max(initial=0.0)) / (2 * pi)
 
 
-def mesh_frequency(library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None = None) -> float:
+def mesh_frequency(point: OperatingPoint, tables: Mapping[str, Pairs] | None = None) -> float:
     """Return the highest mesh frequency [Hz] at the speeds that are given; 0 where nothing turns.
 
     Parameters are those of ``choose_rate``.
     """
-    advance = [abs(float(course.advance)) for course in Clocks(library.manifest, p).by_mesh.values()]
-    return reference_speed(library, at, p, tables) * max(advance, default=0.0) / (2 * pi)
+    advance = [abs(float(course.advance)) for course in Clocks(point.library.manifest, point.p).by_mesh.values()]
+    return reference_speed(point, tables) * max(advance, default=0.0) / (2 * pi)
 
 
-def reference_speed(library: Library, at: Equilibrium, p: Vector, tables: Mapping[str, Pairs] | None = None) -> float:
+def reference_speed(point: OperatingPoint, tables: Mapping[str, Pairs] | None = None) -> float:
     """Return the highest speed of the reference that is given, held, over time or at the start [rad/s]."""
-    names = [state.name for state in library.manifest.states]
-    number = dict(zip((name for name, _ in library.manifest.parameters), p.tolist(), strict=True))
-    speeds = [number[name] for name in ("reference.speed",) if library.manifest.reference == "speed" and name in number]
-    speeds += [float(at.x[names.index(name)]) for name in ("reference.speed",) if name in names]
-    given = [signal.table for signal in library.manifest.signals if signal.name == "reference.speed"]
+    manifest = point.library.manifest
+    names = [state.name for state in manifest.states]
+    number = dict(zip((name for name, _ in manifest.parameters), point.p.tolist(), strict=True))
+    speeds = [number[name] for name in ("reference.speed",) if manifest.reference == "speed" and name in number]
+    speeds += [float(point.at.x[names.index(name)]) for name in ("reference.speed",) if name in names]
+    given = [signal.table for signal in manifest.signals if signal.name == "reference.speed"]
     speeds += [value for table in given for _, value in (tables or {})[table]]
     return max(map(abs, speeds), default=0.0)

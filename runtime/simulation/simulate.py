@@ -1,20 +1,16 @@
 """Simulation in memory: library -> equilibrium -> trajectory -> result."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from ltcgear.generated.errors import LtcgearError
-
 from ..model.asynchronous_machines import past_breakdown
 from ..model.energy_levels import LOADED
-from ..model.equilibrium import Equilibrium, Vector, find_equilibrium
-from ..model.function import Kernel
+from ..model.equilibrium import Vector, find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs
-from ..model.parameter_values import is_number
+from ..model.operating_point import OperatingPoint
 from ..results.attributes import to_attributes
 from ..results.dataset import make_dataset
 from ..results.result import Result
@@ -23,38 +19,20 @@ from ..results.samples import Rows, by_quantity, join_rows
 from ..results.statistics import statistics
 from .choose_method import Choice, choose
 from .energy_balance import energy_residual
-from .integration import Integration, Outcome, check_length
+from .integration import Integration, Outcome
 from .low_pass import BAND, passing_speed
-from .methods.registry import AUTO, find_method
+from .methods.registry import AUTO
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_size
+from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings, check_length
 from .sampling_rate import Rate, choose_rate
 from .verify import estimate_accuracy
 
 if TYPE_CHECKING:
     import xarray as xr
 
-DEFAULT_METHOD = AUTO
-DEFAULT_RTOL = 1e-6
 WRONG = 1e-2
 """Energy missing over the strain energy from which a run is warned about."""
-
-
-def check_options(method: str, rtol: float, t_end: float | None = None, rate: float | None = None) -> None:
-    """Refuse options that no integrator can serve, before anything is computed."""
-    if method != AUTO:
-        find_method(method)
-    if not (is_number(rtol) and 1e-13 <= rtol <= 0.1):
-        raise LtcgearError(f"rtol {_told(rtol)}: must lie between 1e-13 and 0.1")
-    if t_end is not None and not (is_number(t_end) and 0 < t_end < 1e7):
-        raise LtcgearError(f"t_end {_told(t_end)}: must be a time in seconds, greater than zero and below 1e7")
-    if rate is not None and not (is_number(rate) and 0 < rate < np.inf):
-        raise LtcgearError(f"rate {_told(rate)}: must be a number of samples a second, greater than zero")
-
-
-def _told(value: object) -> str:
-    """Return an option as its message tells it."""
-    return f"{value:g}" if isinstance(value, int | float) and not isinstance(value, bool) else f"{value!r:.60}"
 
 
 def simulate(
@@ -106,13 +84,12 @@ def simulate(
     LtcgearError
         If a name, a number or an option is none that the model or the method can take.
     """
-    check_options(method, rtol, t_end, rate)
-    p = library.parameters(values)
-    run = Run(library, p, t_end=t_end, rate=rate, method=method, rtol=rtol, raw=raw, tables=tables, long=long)
+    settings = RunSettings(t_end, rate, method, rtol, raw, tables, verify, long).checked()
+    run = Run(library, library.parameters(values), settings)
     run.follow(told)
     dataset, summary = run.conclude()
     if verify:
-        summary |= verified(library, run.p, run.at, summary, **run.settings)
+        summary |= verified(run.point, summary, run.settings)
     dataset.attrs |= to_attributes(attributes, summary)
     return Result(dataset, summary)
 
@@ -122,12 +99,12 @@ class Run:
 
     The first and the last use CasADi, which serves one thread only; with ``erk`` the one between them does not.
 
-    Parameters that are not listed are those of ``simulate``.
-
     Parameters
     ----------
-    p
-        Parameters, shape (n_p,).
+    library, p
+        A built model and its parameters, shape (n_p,).
+    settings
+        Settings that are checked.
 
     Raises
     ------
@@ -135,23 +112,15 @@ class Run:
         If there is no equilibrium to start from.
     """
 
-    def __init__(
-        self, library: Library, p: Vector, *, t_end: float, rate: float | None, method: str, rtol: float, raw: bool,
-        tables: Mapping[str, Pairs] | None, long: bool = False,
-    ) -> None:  # fmt: skip
-        self.library, self.p, clock = library, p, perf_counter()
-        self.at = find_equilibrium(library, p, tables=tables)
+    def __init__(self, library: Library, p: Vector, settings: RunSettings) -> None:
+        clock = perf_counter()
+        self.point = point = OperatingPoint(library, p, find_equilibrium(library, p, tables=settings.tables))
         self.seconds = {"equilibrium": perf_counter() - clock}
-        choice = choose(library, self.at, p, rtol, tables, t_end) if method == AUTO else Choice(method, None)
-        sampling = take_rate(library, self.at, p, t_end, rate, tables)
-        check_size(library, t_end * sampling.rate)
-        self.about = list_settings(library, choice, rtol, sampling, raw)
-        self.settings: dict[str, Any] = {
-            "t_end": t_end, "rate": sampling.rate, "method": choice.method, "rtol": rtol, "tables": tables,
-        }  # fmt: skip
-        self.reader, self.rows = Reader(library, p, sampling.rate, t_end, raw), list[Rows]()
-        passing = passing_speed(sampling.rate, raw)
-        self.integration = Integration(library, p, self.at, passing=passing, long=long, **self.settings)
+        self.settings, self.about = resolve(point, settings)
+        rate, t_end, raw = self.settings.sampling_rate, settings.t_end, settings.raw
+        check_size(library, t_end * rate)
+        self.reader, self.rows = Reader(library, p, rate, t_end, raw), list[Rows]()
+        self.integration = Integration(point, self.settings, passing=passing_speed(rate, raw))
 
     def follow(self, told: Callable[[float], None]) -> None:
         """Integrate, and read the outputs."""
@@ -162,20 +131,26 @@ class Run:
         outcome, clock = judge(self.reader, self.integration.conclude()), perf_counter()
         rows, statistics = join_rows([*self.rows, self.reader.finish()]), motion_statistics(self.reader, outcome)
         self.rows.clear()  # lest they take their room beside the quantities
-        dataset = make_dataset(self.library, self.p, rows, statistics)
+        dataset = make_dataset(self.point.library, self.point.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
-        forces = tell_forces(dataset, static_strain(self.library, self.p, self.at))
-        about = summarise(self.library, self.p, self.at, outcome, forces, self.reader)
+        forces = tell_forces(dataset, self.point.strain)
+        about = summarise(self.point, outcome, forces, self.reader)
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
 
-def take_rate(
-    library: Library, at: Equilibrium, p: Vector, t_end: float, rate: float | None, tables: Mapping[str, Pairs] | None
-) -> Rate:
-    """Return the sampling rate [Hz] and why it is taken; LtcgearError where the run is shorter than one sample."""
-    found = choose_rate(library, at, p, tables) if rate is None else Rate(rate, None)
-    check_length(t_end * found.rate)
-    return found
+def resolve(point: OperatingPoint, settings: RunSettings) -> tuple[RunSettings, dict[str, Any]]:
+    """Choose method and sampling rate where they are open; return the settings and what a summary tells of them.
+
+    Raises
+    ------
+    LtcgearError
+        If the run is shorter than one sample.
+    """
+    choice = choose(point, settings) if settings.method == AUTO else Choice(settings.method, None)
+    sampling = choose_rate(point, settings.tables) if settings.rate is None else Rate(settings.rate, None)
+    check_length(settings.t_end * sampling.rate)
+    about = list_settings(point.library, choice, settings.rtol, sampling, settings.raw)
+    return replace(settings, method=choice.method, rate=sampling.rate), about
 
 
 def tell_forces(dataset: "xr.Dataset", strain: float) -> dict[str, Any]:
@@ -189,19 +164,13 @@ def tell_forces(dataset: "xr.Dataset", strain: float) -> dict[str, Any]:
     return round_statistics(found, dataset.assign_attrs(static_strain_j=strain))
 
 
-def verified(
-    library: Library,
-    p: Vector,
-    at: Equilibrium,
-    summary: Mapping[str, Any],
-    **settings: Any,  # noqa: ANN401
-) -> dict[str, Any]:
+def verified(point: OperatingPoint, summary: Mapping[str, Any], settings: RunSettings) -> dict[str, Any]:
     """Return the accuracy of a run, and its seconds with those that this took."""
     clock = perf_counter()
     if summary["status"] != "done":
         accuracy: dict[str, Any] = {"meshes": {}, "worst": None, "reason": "the run did not reach its end"}
     else:
-        accuracy = estimate_accuracy(library, p, at, **settings)
+        accuracy = estimate_accuracy(point, settings)
     return {"accuracy": accuracy, "seconds": summary["seconds"] | {"verify": perf_counter() - clock}}
 
 
@@ -212,17 +181,11 @@ def list_settings(library: Library, choice: Choice, rtol: float, sampling: Rate,
     return told if raw else told | {"band_hz": BAND * sampling.rate}
 
 
-def static_strain(library: Library, p: Vector, at: Equilibrium) -> float:
-    """Return the strain energy of the loaded equilibrium [J]."""
-    return float(Kernel(library.functions["energy"])(at.x, at.s, p)[0][1])
-
-
 def summarise(
-    library: Library, p: Vector, at: Equilibrium, outcome: Outcome, forces: Mapping[str, Any], reader: Reader
-) -> dict[str, Any]:
+    point: OperatingPoint, outcome: Outcome, forces: Mapping[str, Any], reader: Reader
+) -> dict[str, Any]:  # fmt: skip
     """Return how an integration went, what it is worth, and the forces it found."""
-    strain = static_strain(library, p, at)
-    residual = energy_residual(library, p, at, outcome)
+    library, strain, residual = point.library, point.strain, energy_residual(point, outcome)
     told = [*_open_balance(residual), *(_pulling(library, outcome) if strain > LOADED else ())]
     told += [*reader.teeth.strained(reader.deepest), *past_breakdown(library, *outcome.last)]
     return {

@@ -1,20 +1,20 @@
 """Verification of a run: mesh forces and statistics at its tolerance and at a tenth of it."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.equilibrium import Equilibrium
-from ..model.library import Library
-from ..model.load_tables import Pairs
+from ..model.operating_point import OperatingPoint
 from ..results.dataset import make_dataset
 from ..results.samples import Rows, join_rows
 from ..results.statistics import statistics
 from .integration import Integration, Told
 from .low_pass import passing_speed
 from .output_reader import Reader, motion_statistics
+from .run_settings import RunSettings
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,8 +37,7 @@ TOLD = ("mean", "min", "max", "rms", "load_factor")
 
 
 def estimate_accuracy(
-    library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
-    told: Told = lambda t: None, tables: Mapping[str, Pairs] | None = None,
+    point: OperatingPoint, settings: RunSettings, told: Told = lambda t: None
 ) -> dict[str, Any]:  # fmt: skip
     """Run the first samples at ``rtol`` and at a tenth of it, and compare the mesh forces.
 
@@ -46,8 +45,10 @@ def estimate_accuracy(
 
     Parameters
     ----------
-    library, p, at, t_end, rate, method, rtol, told, tables
-        As ``integrate`` takes them.
+    point, settings
+        Where the run begins and how it goes.
+    told
+        Called with the simulated time now and then.
 
     Returns
     -------
@@ -57,12 +58,11 @@ def estimate_accuracy(
         of ``TOLD`` the change of that statistic of the window's second half over its size; ``worst``, the mesh with the
         largest; ``reason``, why there are no numbers, None if there are.
     """
-    window = min(round(t_end * rate), WINDOW) / rate
+    rtol, window = settings.rtol, min(settings.samples, WINDOW) / settings.sampling_rate
     found = {"window_s": window, "rtol": [rtol, FINER * rtol], "meshes": {}, "worst": None, "reason": None}
     runs = []
     for tolerance in (rtol, FINER * rtol):
-        options: dict[str, Any] = {"t_end": window, "rate": rate, "method": method, "rtol": tolerance, "tables": tables}
-        run = _follow(library, p, at, options, told)
+        run = _follow(point, replace(settings, t_end=window, rtol=tolerance, raw=True, long=False), told)
         if isinstance(run, str):
             return found | {"reason": run}
         runs.append(run)
@@ -80,13 +80,11 @@ def estimate_accuracy(
     return found | {"meshes": meshes, "worst": worst}
 
 
-def _follow(
-    library: Library, p: Vector, at: Equilibrium, options: dict[str, Any], told: Told
-) -> "xr.Dataset | str":  # fmt: skip
+def _follow(point: OperatingPoint, settings: RunSettings, told: Told) -> "xr.Dataset | str":
     """Return a run's forces of the instant, levels and statistics; the reason where it did not reach its end."""
-    rate, t_end = options["rate"], options["t_end"]
-    reader, rows = Reader(library, p, rate, t_end, raw=True), list[Rows]()
-    integration = Integration(library, p, at, passing=passing_speed(rate, raw=True), **options)
+    library, p, rate = point.library, point.p, settings.sampling_rate
+    reader, rows = Reader(library, p, rate, settings.t_end, settings.raw), list[Rows]()
+    integration = Integration(point, settings, passing=passing_speed(rate, settings.raw))
     outcome = integration.proceed(lambda block, points: rows.append(reader.read(block, points)), told)
     if outcome.status != "done":
         return outcome.status

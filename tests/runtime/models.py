@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.integration import Trajectory, integrate
 from ltcgear.symbolic.assembly import build_model
@@ -39,6 +40,10 @@ class Case:
     @cached_property
     def at(self) -> Equilibrium:
         return find_equilibrium(self.library, self.p, tables=self.model.tables)
+
+    @cached_property
+    def point(self) -> OperatingPoint:
+        return OperatingPoint(self.library, self.p, self.at)
 
     def state(self, name: str) -> int:
         """The index of a state."""

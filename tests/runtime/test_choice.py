@@ -1,8 +1,11 @@
 """Choice of the method: stability and steps against what the integrators really take, the cost against the best."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation.choose_method import (
     GROWTH,
     TIMES,
@@ -14,6 +17,7 @@ from ltcgear.runtime.simulation.choose_method import (
 )
 from ltcgear.runtime.simulation.duty import list_duty
 from ltcgear.runtime.simulation.methods.registry import METHODS
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.simulate import simulate
 
 from . import butcher, exact
@@ -50,7 +54,7 @@ def operations(c, method, rtol):
 @pytest.mark.parametrize("name", sorted({*SCENES} - {"no excitation"}))  # any method is done with it at once
 def test_the_choice_costs_twice_the_best_at_most(name, rtol):
     c = case(*SCENES[name])
-    chosen = choose(c.library, c.at, c.p, rtol, c.model.tables, 0.1)
+    chosen = choose(c.point, RunSettings(0.1, rtol=rtol, tables=c.model.tables))
     cost = {method: operations(c, method, rtol) for method in ("erk", "rosenbrock")}
     assert cost[chosen.method] < 2 * min(cost.values())
 
@@ -60,27 +64,27 @@ def test_the_choice_costs_twice_the_best_at_most(name, rtol):
 )
 def test_both_methods_are_chosen(name, method):
     c = case(*SCENES[name])
-    assert choose(c.library, c.at, c.p, 1e-4).method == method
+    assert choose(c.point, RunSettings(0.1, rtol=1e-4, tables=c.model.tables)).method == method
 
 
 @pytest.mark.parametrize("t_end", [0.5, 1.5])
 def test_a_start_from_rest_is_reckoned_by_the_time_at_each_speed(t_end):
     """At rest friction is steepest and no teeth come and go; a run that leaves it is not to be reckoned by that."""
     c = case(*SCENES["from rest"])
-    pace = reckon(c.library, c.at, c.p, 1e-5, c.model.tables, t_end)
+    pace = reckon(c.point, settings := RunSettings(t_end, rtol=1e-5, tables=c.model.tables))
     counts = c.run(method="erk", rtol=1e-5, t_end=t_end).counts
     assert t_end * pace.explicit == pytest.approx(counts.steps, rel=0.6)
     if t_end > 1:
-        assert choose(c.library, c.at, c.p, 1e-5, c.model.tables, t_end).method == "erk"
-    assert choose(c.library, c.at, c.p, 1e-5, c.model.tables, 0.1).method == "rosenbrock"
+        assert choose(c.point, settings).method == "erk"
+    assert choose(c.point, replace(settings, t_end=0.1)).method == "rosenbrock"
 
 
 def test_the_duty_is_the_time_at_each_speed():
     """The motor waits for 0.1 s, then runs up linearly for 1 s, and turns on."""
     c = case("start-up")
-    parts = list_duty(c.library, c.at, c.p, c.model.tables, 2.0)
+    parts = list_duty(c.point, RunSettings(2.0, tables=c.model.tables))
     place = [signal.name for signal in c.library.manifest.signals].index("reference.speed")
-    speeds = np.array([part.at.signals[place] for part in parts])
+    speeds = np.array([part.point.at.signals[place] for part in parts])
     shares = np.array([part.share for part in parts])
     top = speeds.max()
     assert shares.sum() == pytest.approx(1.0)
@@ -93,18 +97,20 @@ def test_a_load_over_time_sets_the_model_going():
     c = case("hard-dead-band", *STILL)
     flat, stepped = [(0.0, 70.0)], [(0.0, 70.0), (0.05, 70.0), (0.0501, 90.0)]
     tables = {"loads.input.speed_over_time": [(0.0, 100.0)], LOAD: flat}
-    at = find_equilibrium(c.library, c.p, tables=tables)
-    assert "nothing sets the model going" in choose(c.library, at, c.p, 1e-6, tables, 0.1).why
-    chosen = choose(c.library, at, c.p, 1e-6, tables | {LOAD: stepped}, 0.1)
+    point = OperatingPoint(c.library, c.p, find_equilibrium(c.library, c.p, tables=tables))
+    settings = RunSettings(0.1, rtol=1e-6, tables=tables)
+    assert "nothing sets the model going" in choose(point, settings).why
+    chosen = choose(point, replace(settings, tables=tables | {LOAD: stepped}))
     assert "accuracy calls for" in chosen.why
     slow = [(0.0, 70.0), (1e3, 90.0)]
-    paces = [reckon(c.library, at, c.p, 1e-6, tables | {LOAD: rows}, 0.1).stiff for rows in (flat, slow, stepped)]
+    courses = [replace(settings, tables=tables | {LOAD: rows}) for rows in (flat, slow, stepped)]
+    paces = [reckon(point, course).stiff for course in courses]
     assert 0 == paces[0] < paces[1] < 0.5 * paces[2]  # a load that creeps hardly does
 
 
 def test_a_model_at_rest_that_explicit_steps_could_not_wait_for_gets_the_stiff_method():
     c = case("hard-tiny-inertia")
-    assert choose(c.library, c.at, c.p, 1e-6).method == "rosenbrock"
+    assert choose(c.point, RunSettings(10.0, rtol=1e-6)).method == "rosenbrock"
     assert simulate(c.library, c.model.values(), t_end=10.0, rate=64.0).summary["status"] == "done"
 
 
@@ -117,7 +123,7 @@ def test_the_stability_bound_is_that_of_the_explicit_pair():
 
 def test_a_stiff_run_takes_the_steps_that_stability_asks_for():
     c = case(*SCENES["bearing x 1e6"])
-    values, _ = excited_rates(c.library, c.at, c.p, 1e-4)
+    values, _ = excited_rates(c.point, 1e-4)
     steps = c.run(method="erk", rtol=1e-4, t_end=0.02).counts.steps
     assert steps == pytest.approx(0.02 * stability_rate(values), rel=0.25)
 
@@ -126,7 +132,7 @@ def test_a_stiff_run_takes_the_steps_that_stability_asks_for():
 @pytest.mark.parametrize("name", ["lsp", "torsional"])
 def test_other_runs_take_the_steps_that_accuracy_asks_for(name, rtol):
     c = case(*SCENES[name])
-    rates = excited_rates(c.library, c.at, c.p, rtol)[1]
+    rates = excited_rates(c.point, rtol)[1]
     steps = c.run(method="erk", rtol=rtol, t_end=0.1).counts.steps
     assert 0.1 * np.trapezoid(rates, TIMES) == pytest.approx(steps, rel=0.5)
 

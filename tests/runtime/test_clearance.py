@@ -10,6 +10,7 @@ from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.continuation import follow
 from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
 from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.symbolic.assembly import build_model
@@ -101,7 +102,7 @@ def test_the_damper_acts_in_contact_only_and_its_loss_is_booked():
     at = start(found)
     fall = sqrt(2 * GAP / G)
     path = found.run(at=at, t_end=0.5, rate=20000.0, method="erk", rtol=1e-10)
-    assert abs(energy_residual(found.library, found.p, at, path)) < 1e-6
+    assert abs(energy_residual(OperatingPoint(found.library, found.p, at), path)) < 1e-6
     free = path.time < fall
     height = path.x[:, found.state("disc.y")]
     assert height[free] == pytest.approx(-G * path.time[free] ** 2 / 2, abs=1e-12)
@@ -158,7 +159,7 @@ def test_a_train_with_clearance_keeps_its_energy_balance():
     found = case("psh", *PAIR, "effects.gravity = 'on'")
     path = found.run(method="erk", rtol=1e-8, t_end=0.05)
     assert path.status == "done"
-    assert abs(energy_residual(found.library, found.p, found.at, path)) < 1e-6
+    assert abs(energy_residual(found.point, path)) < 1e-6
 
 
 def test_no_clearance_is_the_same_as_off():

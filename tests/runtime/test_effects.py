@@ -9,7 +9,6 @@ import pytest
 from ltcgear.generated import store
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
-from ltcgear.runtime.model.vibration_scale import fastest, vibration_scale
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -58,7 +57,7 @@ def test_every_pair_compiles_and_runs(variant):
 def random_states(found: Case, count: int = 50):
     """States about the equilibrium, by ten times the size of small vibrations, and random levels."""
     draw = np.random.default_rng(7)
-    scale = 10 * vibration_scale(found.library, found.at, found.p)
+    scale = 10 * found.point.scale
     for _ in range(count):
         levels = draw.integers(0, 2, len(found.at.levels)).astype(float)
         yield found.at.x + scale * draw.uniform(-1, 1, len(scale)), levels
@@ -123,7 +122,7 @@ def test_zero_amplitude_is_the_same_as_left_out(effect, value, variant):
     off = made(variant | {effect: without(effect)}, *ZERO[effect, value])
     names = [[state.name for state in found.library.manifest.states] for found in (zero, off)]
     assert names[0] == names[1]
-    scale = vibration_scale(off.library, off.at, off.p)
+    scale = off.point.scale
     start = off.at.x + scale
     one, two = (found.outputs(start, found.at.levels) for found in (zero, off))
     forces = {(r.quantity, r.item): r.unit for r in off.library.manifest.reports if r.unit in ("N", "N*m")}
@@ -131,7 +130,7 @@ def test_zero_amplitude_is_the_same_as_left_out(effect, value, variant):
     for key, unit in forces.items():
         size = max(np.abs(two[other]).max() for other in forces if forces[other] == unit)
         assert np.abs(one[key] - two[key]).max() <= 1e-12 * size, key
-    step = 0.5 / fastest(off.library, off.at, off.p)
+    step = 0.5 / off.point.fastest
     count = int(np.ceil(0.01 / step))
     with_zero, left_out = ((stepped(found, start, step, count) - start) / scale for found in (zero, off))
     # Places of 60 mm are rounded by 1e-17 m, which is 1e-10 of these vibrations: no two sums are nearer.

@@ -5,6 +5,7 @@ import pytest
 from ltcgear.runtime.model.load_tables import Signals
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.driver import March
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.smooth_arc import Arc
 
 from .models import case
@@ -33,7 +34,7 @@ def test_extremes_are_those_of_a_fine_sampling(method):
 
 def test_every_node_counts_but_none_beyond_the_end():
     found = case("psh", 'effects.mesh_stiffness = "mean"')
-    march = March(found.library, found.p, found.at, "rosenbrock", 1e-6, 257, 257.0, Signals((), {}))
+    march = March(found.point, RunSettings(257 / 257.0, 257.0, "rosenbrock", 1e-6), Signals((), {}))
     state = found.state("psh.output.u")
     turned = {0.1: 1.0, 0.4: 3.0, 0.9: -1.0, 1.003: 9.0}  # before half, its peak, steady, beyond the end
 
@@ -59,7 +60,7 @@ def test_every_node_counts_but_none_beyond_the_end():
 
 def test_a_peak_between_steps_is_that_of_the_parabola():
     found = case("psh", 'effects.mesh_stiffness = "mean"')
-    march = March(found.library, found.p, found.at, "rosenbrock", 1e-6, 8, 8.0, Signals((), {}))
+    march = March(found.point, RunSettings(8 / 8.0, 8.0, "rosenbrock", 1e-6), Signals((), {}))
     state = found.state("psh.output.u")
 
     def advance(z, duration, origin, s, slope):

@@ -11,6 +11,7 @@ from ltcgear.runtime.results.dataset import make_dataset
 from ltcgear.runtime.simulation.integration import integrate
 from ltcgear.runtime.simulation.method_limits import check_explicit
 from ltcgear.runtime.simulation.output_reader import sampled
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.studies.selftest import limit_cases, symmetry_cases
 from ltcgear.runtime.studies.selftest.case import Bench
 from ltcgear.symbolic.assembly import build_model
@@ -48,9 +49,9 @@ def test_a_run_in_which_gears_collide_keeps_only_finite_values(method):
 
 def test_a_long_run_of_a_train_that_is_not_stiff_is_not_refused():
     bench = open_bench("psh", {})
-    check_explicit(bench.library, bench.at, bench.p, "erk", 3e4)
+    check_explicit(bench.point, RunSettings(3e4, method="erk"))
     with pytest.raises(LtcgearError, match=r"psh\.(input|output|mesh)"):
-        check_explicit(bench.library, bench.at, bench.p, "erk", 1e7)
+        check_explicit(bench.point, RunSettings(1e7, method="erk"))
 
 
 def test_what_falls_through_a_gap_is_held_and_what_nothing_stops_is_told():

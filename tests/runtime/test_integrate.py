@@ -11,6 +11,7 @@ from ltcgear.runtime.model import cstruct
 from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium, mean_levels, start_state, state_matrix
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import Library, build, external
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.dense_output import Chebyshev, Uniform
 from ltcgear.runtime.simulation.energy_balance import energy_residual
@@ -25,7 +26,7 @@ from .variants import BEARING_FRICTION, FRICTION, GRAVITY
 
 
 def residual(c, path, at=None):
-    return abs(energy_residual(c.library, c.p, at or c.at, path))
+    return abs(energy_residual(OperatingPoint(c.library, c.p, at or c.at), path))
 
 
 INTERPOLATION = {"erk": 3e-6, "rosenbrock": 3e-6} | {name: 1e-6 for name, method in METHODS.items() if method.multistep}

@@ -82,7 +82,7 @@ def test_angular_momentum_is_the_integral_of_the_torque(method):
     assert path.status == "done"
     assert np.abs(momentum - wanted).max() < 1e-7 * np.abs(wanted).max()
     assert np.abs(shown(c, path)["load_torque"]["load_0"] - np.interp(path.time, *np.array(STORM).T)).max() < 1e-9
-    assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-6
+    assert abs(energy_residual(c.point, path)) < 1e-6
 
 
 @pytest.mark.parametrize(("method", "rtol"), [("erk", 1e-8), ("cvodes", 1e-9)])
@@ -116,7 +116,7 @@ def test_the_drive_of_a_speed_ramp_swings_about_inertia_times_acceleration(metho
     assert np.abs(given - wanted).max() < 1e-6 * np.abs(wanted).max()
     assert np.abs(speeds["one"] - gain * path.time).max() < 1e-9 * gain
     assert np.abs(path.x[:, c.state("reference.angle")] - gain * path.time**2 / 2).max() < 1e-12
-    assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-6
+    assert abs(energy_residual(c.point, path)) < 1e-6
 
 
 RUN_UP = [(0.0, 0.0), (0.2, 15 * RPM), (0.25, 15 * RPM), (0.35, 6 * RPM), (0.4, 0.0)]
@@ -170,7 +170,7 @@ def test_no_switching_of_a_start_a_stop_or_a_reversal_is_lost(rows, method):
         part = np.mod(tau, 1.0)
         clear = np.min([np.abs(part - b) for b in (0.0, share, 1.0)], axis=0) > 1e-7
         assert (path.levels[clear, i] == (part[clear] >= share)).all()
-    assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-5
+    assert abs(energy_residual(c.point, path)) < 1e-5
 
 
 def test_a_start_from_standstill_without_load_begins_at_rest():
@@ -235,7 +235,7 @@ def test_a_torque_that_turns_over_changes_flanks_and_makes_no_energy():
     assert front[after].mean() > 0.9
     assert ((front + back) == 0).any()  # the gap is crossed
     assert (front * back == 0).all()
-    assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-5
+    assert abs(energy_residual(c.point, path)) < 1e-5
     assert path.counts.events == path.expected_events > 100
 
 
@@ -282,7 +282,7 @@ def test_the_steady_speed_under_a_torque_is_that_of_kloss(load, way):
     z = T_b / load - np.sign(load) * np.sqrt((T_b / load) ** 2 - 1) if load else 0.0
     assert shown(c, path)["speed"]["two"][-1] == pytest.approx(w_s + w_b * z, rel=1e-6)
     assert shown(c, path)["load_torque"]["load_1"][-1] == pytest.approx(-load, abs=1e-4)
-    assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-6
+    assert abs(energy_residual(c.point, path)) < 1e-6
 
 
 @pytest.mark.parametrize("way", [1, -1])
@@ -420,7 +420,7 @@ def test_the_start_up_scene_ends_where_its_loads_balance():
     )
     assert path.counts.events == path.expected_events == border_count(0.0, tau, share)
     assert path.status == "done"
-    assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-6
+    assert abs(energy_residual(c.point, path)) < 1e-6
 
 
 @pytest.mark.parametrize("load", [-1.06e4, -1.0])

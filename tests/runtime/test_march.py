@@ -9,6 +9,7 @@ import pytest
 from ltcgear.runtime.model.cstruct import FAULTS, source
 from ltcgear.runtime.model.load_tables import Signals
 from ltcgear.runtime.simulation.driver import CAPACITY, March
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.smooth_arc import Arc
 
 from .models import case
@@ -17,7 +18,7 @@ RATE = 1e5
 
 
 def march_of(c, method, samples=5000):
-    return March(c.library, c.p, c.at, method, 1e-6, samples, RATE, Signals((), {}))
+    return March(c.point, RunSettings(samples / RATE, RATE, method, 1e-6), Signals((), {}))
 
 
 def test_faults_have_the_numbers_of_the_c():
@@ -84,7 +85,7 @@ def test_runs_in_two_threads_are_those_of_one(method):
 def test_an_arc_that_is_aimed_at_a_border_ends_with_the_run_at_the_latest():
     """An engine that first lets the teeth part shortly before the end, and when looked at again shortly after it."""
     c = case("hard-bounce")
-    march = March(c.library, c.p, c.at, "cvodes", 1e-6, 10, 1e6, Signals((), {}))
+    march = March(c.point, RunSettings(10 / 1e6, 1e6, "cvodes", 1e-6), Signals((), {}))
     end, start = march.state.end, c.at.x
     (gear,) = np.flatnonzero(start)
     parting = iter([0.97 * end])

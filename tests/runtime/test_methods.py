@@ -12,7 +12,7 @@ from ltcgear.runtime.simulation.methods import registry
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.simulation.methods.stepper import Counts, SegmentProblem
 from ltcgear.runtime.simulation.methods.sundials7 import STENCIL, SundaeStepper, interpolate
-from ltcgear.runtime.simulation.simulate import check_options
+from ltcgear.runtime.simulation.run_settings import RunSettings, check_options
 from ltcgear.runtime.simulation.smooth_arc import Frame
 from ltcgear.runtime.studies.accuracy.reference import reference_methods
 
@@ -75,7 +75,7 @@ def test_sundae_finds_the_switchings_by_itself(monkeypatch):
 
 def test_sundae_goes_on_past_samples_and_restarts_at_switchings_only():
     c = case("lsp")
-    march = March(c.library, c.p, c.at, "sundae", 1e-6, 819, 8192.0, Signals((), {}))
+    march = March(c.point, RunSettings(819 / 8192.0, 8192.0, "sundae", 1e-6), Signals((), {}))
     restarts, real = [], march.stepper._restart
     march.stepper._restart = lambda *given: (restarts.append(march.time), real(*given))
     instants = set()
@@ -119,7 +119,7 @@ def test_segments_grow_where_the_fastest_mode_rests():
 
 def test_a_segment_that_its_nodes_do_not_resolve_is_integrated_again():
     c = case("lsp", 'stages.lsp.ring.bearing.stiffness = "2.6e15 N/m"')
-    march = March(c.library, c.p, c.at, "erk", 1e-6, 819, 8192.0, Signals((), {}))
+    march = March(c.point, RunSettings(819 / 8192.0, 8192.0, "erk", 1e-6), Signals((), {}))
     resolving = march.state.longest
     march.state.longest = LONGEST * resolving
     march.proceed(segments=1)

@@ -5,7 +5,9 @@ import pytest
 from ltcgear.generated.contract import REGIME
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.parameter_bounds import is_continuous
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.studies.sensitivity.adjoint import differentiate_output
 from ltcgear.runtime.studies.sensitivity.course import follow_course
 from ltcgear.runtime.studies.sensitivity.ranking import list_influences
@@ -34,14 +36,18 @@ HAMMERING = (
 
 
 def differentiate(c, output, **options):
-    options = {"measure": "rms", "rtol": 1e-9, "tables": c.model.tables} | options
-    return differentiate_output(c.library, c.p, c.at, find_output(c.library.manifest, output), **options)
+    measure, start = options.pop("measure", "rms"), options.pop("start")
+    settings = RunSettings(**{"method": "erk", "rtol": 1e-9, "tables": c.model.tables} | options)
+    place = find_output(c.library.manifest, output)
+    return differentiate_output(c.point, place, settings, measure=measure, start=start)
 
 
 def measured(c, p, output, measure, start, t_end):
     """The measure of a run from the equilibrium of other parameters, at a tight tolerance."""
     at = find_equilibrium(c.library, p, tables=c.model.tables)
-    course = follow_course(c.library, p, at, t_end=t_end, method="erk", rtol=1e-11, tables=c.model.tables)
+    course = follow_course(
+        OperatingPoint(c.library, p, at), RunSettings(t_end, None, "erk", 1e-11, tables=c.model.tables)
+    )
     return find_worth(course, find_output(c.library.manifest, output), measure, start).value
 
 
@@ -142,7 +148,7 @@ def test_derivatives_are_those_of_differences(name, settings, run, chosen, step)
 def test_extremes_are_found_beside_jumps_and_between(measure, mesh, side):
     """A force jumps up with its own stiffness, and bends where another's jumps."""
     c = case("lsp")
-    course = follow_course(c.library, c.p, c.at, t_end=0.03, method="erk", rtol=1e-9)
+    course = follow_course(c.point, RunSettings(0.03, None, "erk", 1e-9))
     place = find_output(c.library.manifest, f"mesh_force:lsp.{mesh}")
     worth = find_worth(course, place, measure, 0.01)
     assert worth.instant.side == side

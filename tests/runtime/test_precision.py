@@ -7,7 +7,6 @@ from math import log10, pi, sqrt
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
-from ltcgear.runtime.model.vibration_scale import vibration_scale
 from ltcgear.runtime.studies.accuracy import reference as references
 from ltcgear.runtime.studies.accuracy.patience import OutOfTimeError, Patience
 from ltcgear.runtime.studies.accuracy.presets import PRESETS, choose_time, mesh_rates
@@ -90,7 +89,7 @@ def test_samples_on_a_jump_are_left_out():
 def test_a_trajectory_is_read_by_name():
     bench = bench_of("hsp")
     path = bench.run("erk", t_end=0.02, rate=RATE, rtol=1e-5)
-    scale = vibration_scale(bench.library, bench.at, bench.p)
+    scale = bench.point.scale
     i = case("hsp").state("hsp.sun.u")
     x = path.x.copy()
     x[:, i] += 0.25 * scale[i]
@@ -130,7 +129,7 @@ def test_the_reference_knows_its_own_uncertainty(linear):
 
 
 def test_without_two_methods_there_is_no_reference(linear, monkeypatch):
-    monkeypatch.setattr(references, "METHODS", ("erk",))
+    monkeypatch.setattr(references, "reference_methods", lambda: ["erk"])
     found = find_reference(linear, Patience(60.0), t_end=0.005, rate=RATE)
     assert "fewer than two methods" in found.reason
     assert found.samples is None

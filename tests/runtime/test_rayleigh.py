@@ -50,7 +50,7 @@ def test_the_energy_balance_of_the_rig_closes(settings):
     found = case("rig-2mw", *ON, *settings)
     path = found.run(method="erk", rtol=1e-8, t_end=0.05)
     assert path.status == "done"
-    assert abs(energy_residual(found.library, found.p, found.at, path)) < 1e-6
+    assert abs(energy_residual(found.point, path)) < 1e-6
 
 
 def test_the_rigid_motion_is_not_slowed_down():

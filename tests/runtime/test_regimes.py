@@ -63,7 +63,7 @@ def test_any_loads_are_followed(seed, method):
     path = c.run(method=method, rtol=1e-6, t_end=0.02, rate=5000.0)
     assert path.status == "done"
     assert path.counts.events == path.expected_events
-    assert abs(energy_residual(c.library, c.p, c.at, path)) < 1e-2
+    assert abs(energy_residual(c.point, path)) < 1e-2
 
 
 def test_a_hold_keeps_a_side_and_zero_leaves_it_to_the_state():

@@ -18,6 +18,7 @@ from ltcgear.runtime.results.result import load
 from ltcgear.runtime.results.row_file import part_of, read_part
 from ltcgear.runtime.simulation import integration, recording
 from ltcgear.runtime.simulation.methods.registry import METHODS
+from ltcgear.runtime.simulation.run_settings import RunSettings
 
 from .models import case, make_case
 from .test_loads import shaft, torque
@@ -105,8 +106,8 @@ def test_a_run_that_goes_on_is_the_one_never_stopped(killed, tmp_path, name):
 )
 def test_a_snapshot_holds_all_that_moves(settings, most):
     c = case("psh", *settings)
-    run = {"t_end": 10.0, "rate": 1e3, "method": "erk", "rtol": 1e-6, "tables": c.model.tables}
-    march = integration.Integration(c.library, c.p, c.at, **run).march
+    run = RunSettings(10.0, 1e3, "erk", 1e-6, tables=c.model.tables)
+    march = integration.Integration(c.point, run).march
     called = ("function", "advance")
     lasting = [name for name, kind, role in FIELDS if role in ("fixed", "kept") and kind not in called]
     before = {name: march.native.value(name) for name in lasting}
@@ -116,7 +117,7 @@ def test_a_snapshot_holds_all_that_moves(settings, most):
     moved = {name for name in lasting if not np.array_equal(before[name], march.native.value(name), equal_nan=True)}
     assert most <= moved <= set(NAMES["kept"])
     remembered = {name: np.copy(value) for name, value in march.snapshot().items()}
-    other = integration.Integration(c.library, c.p, c.at, **run).march
+    other = integration.Integration(c.point, run).march
     other.restore(remembered)
     again = other.snapshot()
     assert set(again) == set(remembered)

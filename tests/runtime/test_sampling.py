@@ -145,9 +145,9 @@ def test_a_rate_is_chosen_by_modes_and_meshes(hoist):
 def test_the_rate_of_a_run_up_is_that_of_its_highest_speed():
     ramp = "-loads.input.speed", 'loads.input.speed_over_time = [["0 s", "0 rpm"], ["0.1 s", "900 rpm"]]'
     still, turning = case("psh", *ramp), case("psh", 'loads.input.speed = "900 rpm"')
-    found = [mesh_frequency(c.library, c.at, c.p, c.model.tables) for c in (still, turning)]
+    found = [mesh_frequency(c.point, c.model.tables) for c in (still, turning)]
     assert found[0] == pytest.approx(found[1], rel=1e-12)
-    assert choose_rate(still.library, still.at, still.p, still.model.tables).rate >= LEAST
+    assert choose_rate(still.point, still.model.tables).rate >= LEAST
 
 
 def test_statistics_of_a_short_slow_run_do_not_hang_on_its_few_arcs(tmp_path):

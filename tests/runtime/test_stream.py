@@ -15,6 +15,7 @@ from ltcgear.runtime.simulation.low_pass import passing_speed
 from ltcgear.runtime.simulation.methods import stepper
 from ltcgear.runtime.simulation.output_reader import Reader, join_rows
 from ltcgear.runtime.simulation.recording import Recorder, record
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.sampling import join
 from ltcgear.runtime.simulation.simulate import simulate
 
@@ -113,7 +114,7 @@ def test_blocks_of_any_size_read_alike(raw):
     c = case("psh")
     parts = []
     options = {"t_end": 0.03, "rate": 30e3, "method": "erk", "rtol": 1e-6}
-    run = integration.Integration(c.library, c.p, c.at, passing=passing_speed(30e3, raw), **options)
+    run = integration.Integration(c.point, RunSettings(**options), passing=passing_speed(30e3, raw))
     assert run.proceed(lambda *given: parts.append(given)).status == "done"
     block, points = (join(list(given)) for given in zip(*parts, strict=True))
 
@@ -165,7 +166,7 @@ def test_few_samples_between_jumps_are_those_of_many():
 @pytest.mark.parametrize("samples", [1, 255, 257, 300, 1003, 5000])
 def test_no_more_is_integrated_than_asked_for(samples):
     c = case("psh", SMOOTH)
-    run = integration.Integration(c.library, c.p, c.at, t_end=samples / 50e3, rate=50e3, method="erk", rtol=1e-4)
+    run = integration.Integration(c.point, RunSettings(samples / 50e3, 50e3, "erk", 1e-4))
     blocks = []
     assert run.proceed(lambda block, points: blocks.append(block)).status == "done"
     assert sum(len(block.time) for block in blocks) == samples + 1
@@ -212,7 +213,7 @@ def test_rows_are_where_netcdf_reads_them_however_long_the_heading(length, tmp_p
 
 def test_memory_that_runs_out_is_no_failure_of_the_model(monkeypatch):
     c = case("psh")
-    run = integration.Integration(c.library, c.p, c.at, t_end=0.01, rate=20e3, method="cvodes", rtol=1e-6)
+    run = integration.Integration(c.point, RunSettings(0.01, 20e3, "cvodes", 1e-6))
 
     def exhausted(seconds):
         raise RuntimeError("Error in Function::operator(): std::bad_alloc")

@@ -298,8 +298,12 @@ REFUSED = {
     "workers": (["loads.ring.speed=5 rpm:20 rpm"], {"workers": 0}, "must be 1 at least"),
     "many workers": (["loads.ring.speed=5 rpm:20 rpm"], {"workers": 100000}, "1024 at most"),
     "both": (["loads.ring.speed=5 rpm:20 rpm"], {"scheduler": "tcp://127.0.0.1:9"}, "a cluster has its own"),
-    "no rate": (["loads.ring.speed=5 rpm:20 rpm"], {"rate": 0.0}, "rate 0: must be samples a second"),
-    "rate": (["loads.ring.speed=5 rpm:20 rpm"], {"rate": float("nan")}, "rate nan: must be samples a second"),
+    "no rate": (["loads.ring.speed=5 rpm:20 rpm"], {"rate": 0.0}, "rate 0: must be a number of samples a second"),
+    "rate": (
+        ["loads.ring.speed=5 rpm:20 rpm"],
+        {"rate": float("nan")},
+        "rate nan: must be a number of samples a second",
+    ),
     "bound": (["stages.lsp.sun_planet.damping_ratio=-0.001:0.1"], {}, "damping_ratio"),
     "bad end": (["loads.ring.speed=5 rpm:20 rpm", "stages.lsp.sun_planet.damping_ratio=-1:2"], {}, "damping_ratio"),
 }

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from ltcgear.runtime.results.dataset import make_dataset
 from ltcgear.runtime.simulation.output_reader import no_rows
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.simulation.verify import TOLD, compare_signals, estimate_accuracy, tell_parting
 from scipy.integrate import solve_ivp
@@ -15,7 +16,7 @@ from .models import case, run
 @pytest.mark.parametrize("scene", ["lsp", "rig-2mw"])
 def test_the_estimate_is_the_true_error(scene, rtol):
     c, options = case(scene), {"method": "erk", "t_end": 0.05, "rate": 8192.0}
-    estimate = estimate_accuracy(c.library, c.p, c.at, rtol=rtol, **options)
+    estimate = estimate_accuracy(c.point, RunSettings(rtol=rtol, **options))
     path, best = (run(scene, rtol=tolerance, **options) for tolerance in (rtol, 1e-11))
     names = [str(name) for name in make_dataset(c.library, c.p, no_rows(c.library))["mesh"].values]
     forces = np.array([c.mesh_forces(path), c.mesh_forces(best)])
@@ -52,7 +53,7 @@ def test_only_chaotic_runs_part(damping, force, chaotic):
 
 def test_a_coarse_run_is_not_said_to_part():
     c = case("lsp")
-    estimate = estimate_accuracy(c.library, c.p, c.at, t_end=0.1, rate=8192.0, method="cvodes", rtol=1e-2)
+    estimate = estimate_accuracy(c.point, RunSettings(t_end=0.1, rate=8192.0, method="cvodes", rtol=1e-2))
     assert estimate["reason"] is None
     assert estimate["meshes"][estimate["worst"]]["peak_over_vibration"] > 1e-2
 
@@ -69,5 +70,5 @@ def test_simulate_verifies_on_demand():
 
 def test_a_model_that_stands_still_has_no_estimate_over_its_vibration():
     c = case("psh", 'effects.mesh_stiffness = "mean"')
-    estimate = estimate_accuracy(c.library, c.p, c.at, t_end=0.01, rate=8192.0, method="erk", rtol=1e-6)
+    estimate = estimate_accuracy(c.point, RunSettings(t_end=0.01, rate=8192.0, method="erk", rtol=1e-6))
     assert all(mesh["rms_over_vibration"] is None for mesh in estimate["meshes"].values())

@@ -136,7 +136,7 @@ def mean_loss(found, mesh, pitches=2):
     count = 4000
     path = found.run(method="erk", rtol=1e-9, t_end=pitches / rate, rate=count * rate / pitches)
     assert path.status == "done"
-    assert abs(energy_residual(found.library, found.p, found.at, path)) < 1e-5
+    assert abs(energy_residual(found.point, path)) < 1e-5
     lost = over_time(found.library, "energy", path.x, path.levels, found.p)[:count, 4]
     assert (lost >= 0).all()
     return lost.mean()

@@ -13,7 +13,7 @@ from ltcgear.generated.writing import check_output, written_whole
 
 from ...model.library import Library
 from ...model.load_tables import Pairs
-from ...simulation.method_limits import MOST_STEPS, REACH, fastest_motion
+from ...simulation.method_limits import MOST_STEPS, REACH
 from ..plain_c.data import PlainRun
 from .binary import compile_fmu, platform_of, require_compiler
 from .description import Head, describe, describe_build
@@ -125,7 +125,7 @@ def _check_tables(library: Library, tables: Mapping[str, Pairs], inputs: Sequenc
 
 def _check_effort(library: Library, interface: Interface, t_end: float) -> None:
     """Refuse a model whose fastest motion takes too many steps from the explicit method inside."""
-    speed, body = fastest_motion(library, interface.at, interface.p)
+    speed, body = interface.point.fastest, interface.point.fastest_body
     steps = t_end * speed / REACH
     if steps > MOST_STEPS:
         raise LtcgearError(

@@ -10,9 +10,9 @@ from ltcgear.generated.errors import LtcgearError
 
 from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
+from ...model.operating_point import OperatingPoint
 from ...model.parameter_bounds import ANY, bounds_of
 from ...model.quantity_names import LONG_NAMES
-from ...model.vibration_scale import vibration_scale
 from ...results.dataset import speed_ratio
 from ..plain_c.data import PlainRun, fixed_parameters
 from .names import structure
@@ -93,7 +93,8 @@ class Interface:
         self.manifest, self.exchange = library.manifest, exchange
         self.p = library.parameters(run.values)
         self.at = find_equilibrium(library, self.p, tables=run.tables)
-        self.nominal = [float(size) for size in vibration_scale(library, self.at, self.p)]
+        self.point = OperatingPoint(library, self.p, self.at)
+        self.nominal = [float(size) for size in self.point.scale]
         self.fixed = fixed_parameters(library.manifest)
         self.bounds = [bounds_of(name, unit) for name, unit in self.manifest.parameters]
         self.inputs = list(_inputs(self.manifest, run, inputs, exchange))

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...model.arguments import read_numbers, read_time
 from ...model.contact_levels import AT_BORDER, Phases, cells_of
-from ...model.equilibrium import Equilibrium, find_equilibrium
+from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs, Signals
-from ...model.vibration_scale import fastest, vibration_scale
+from ...model.operating_point import OperatingPoint
 from .c_binding import Callee
 
 if TYPE_CHECKING:
@@ -242,18 +242,19 @@ class Dynamics:
     # --- where to start, and where to start again
 
     @cached_property
-    def _equilibrium(self) -> Equilibrium:
-        return find_equilibrium(self.library, self._given, tables=self._tables)
+    def _point(self) -> OperatingPoint:
+        at = find_equilibrium(self.library, self._given, tables=self._tables)
+        return OperatingPoint(self.library, self._given, at)
 
     @property
     def x0(self) -> Vector:
         """Return the loaded equilibrium for ``values``, where ``simulate`` starts; SolverError where there is none."""
-        return self._equilibrium.x.copy()
+        return self._point.at.x.copy()
 
-    @cached_property
+    @property
     def sizes(self) -> Vector:
         """Return the size of vibrations in each state, shape (n,): ``atol = rtol * sizes`` weighs all alike."""
-        return vibration_scale(self.library, self._equilibrium, self._given)
+        return self._point.scale
 
     def hold(self, t: float, x: Vector, p: Vector | None = None) -> float:
         """Hold levels, regimes and the slopes of load signals as they are from now on.
@@ -323,7 +324,7 @@ class Dynamics:
         The state goes on by midpoint steps: a motion from rest under a load that rises leaves with the third power of
         time.
         """
-        x, first, step = self._arrays["x"], self._indicators(t), BRIEF / self._fastest
+        x, first, step = self._arrays["x"], self._indicators(t), BRIEF / self._point.fastest
         start = x.copy()
         for k in range(STEPS):
             before = x.copy()
@@ -333,11 +334,6 @@ class Dynamics:
         ahead = self._indicators(t + STEPS * step)
         x[:] = start
         return np.asarray((ahead - first) / (STEPS * step))
-
-    @cached_property
-    def _fastest(self) -> float:
-        """Return the rate of the fastest vibration [1/s]."""
-        return fastest(self.library, self._equilibrium, self._given)
 
     @cached_property
     def _slack(self) -> Vector:

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.phase_wrapping import Clocks
-from ...model.vibration_scale import vibration_scale
 from ...results.statistics import group_of
 from ...simulation.integration import Trajectory
 from ...simulation.output_reader import outputs_of
@@ -56,7 +55,7 @@ def take_samples(bench: Bench, path: Trajectory) -> ComparedSamples:
     read: dict[str, dict[str, Vector]] = {}
     for report, column in zip(library.manifest.reports, values.T, strict=True):
         read.setdefault(report.quantity, {})[report.item] = column
-    scaled = (path.x - bench.at.x) / vibration_scale(library, bench.at, bench.p)
+    scaled = (path.x - bench.at.x) / bench.point.scale
     states = {state.name: column for state, column in zip(library.manifest.states, scaled.T, strict=True)}
     turning = {name: twist for name, twist in read.get("twist", {}).items() if group_of(name) == name}
     signals: dict[str, dict[str, Signal]] = {

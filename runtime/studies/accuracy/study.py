@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...simulation.choose_method import choose
+from ...simulation.run_settings import RunSettings
 from ..selftest.case import Bench
 from .cheapest import find_cheapest, list_cheapest
 from .machine import describe_machine
@@ -60,7 +61,7 @@ def run_study(bench: Bench, wanted: Wanted, told: Callable[[float], None] = lamb
     preset = wanted.preset
     t_end = wanted.t_end
     long = choose_time(bench, preset, wanted.rate, wanted.longest) if t_end is None else t_end
-    auto = choose(bench.library, bench.at, bench.p, AUTO_RTOL, bench.tables, long).method
+    auto = choose(bench.point, RunSettings(long, rtol=AUTO_RTOL, tables=bench.tables)).method
     if t_end is None:
         t_end = Patience(PILOT * preset.patience).reach(bench, auto, AUTO_RTOL, t_end=long, rate=wanted.rate)
     reference = find_reference(bench, Patience(REFERENCE_PATIENCE * preset.patience), t_end=t_end, rate=wanted.rate)

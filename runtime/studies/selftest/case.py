@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...model.equilibrium import Equilibrium, find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs
+from ...model.operating_point import OperatingPoint
 from ...simulation.integration import Trajectory, integrate
 
 Vector = NDArray[np.float64]
@@ -35,6 +36,11 @@ class Bench:
     def at(self) -> Equilibrium:
         """Return the loaded equilibrium."""
         return find_equilibrium(self.library, self.p, tables=self.tables)
+
+    @cached_property
+    def point(self) -> OperatingPoint:
+        """Return the operating point."""
+        return OperatingPoint(self.library, self.p, self.at)
 
     def run(self, method: str, *, at: Equilibrium | None = None, **options: Any) -> Trajectory:  # noqa: ANN401
         """Integrate from the equilibrium or another start; SolverError where it does not reach its end.

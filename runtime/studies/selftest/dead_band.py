@@ -187,7 +187,7 @@ def check_rattle(opened: Open, method: str, long: bool) -> Iterable[Finding]:
     yield Finding("largest pull between samples, over the largest force", -path.extremes.lowest.min() / peak, 1e-8)
     yield Finding("largest pull at samples, over the largest force", -min(front.min(), back.min()) / peak, 1e-9)
     yield Finding("force of both flanks at once, over the largest", np.minimum(front, back).max() / peak, 1e-9)
-    residual = energy_residual(run.bench.library, run.bench.p, run.bench.at, path)
+    residual = energy_residual(run.bench.point, path)
     yield Finding("energy balance, over the strain energy", abs(residual), 1e-4)
 
 

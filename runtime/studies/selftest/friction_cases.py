@@ -111,7 +111,7 @@ def check_turn(opened: Open, method: str, long: bool) -> Iterable[Finding]:
         bench = _everything(opened, law)
         path = bench.run(method, t_end=0.12, rate=50000.0 if long else 20000.0, rtol=RTOL)
         yield _never_negative(bench, path, law)
-        residual = energy_residual(bench.library, bench.p, bench.at, path)
+        residual = energy_residual(bench.point, path)
         yield Finding(f"energy balance, {law}, over all work", abs(residual), 1e-6)
         expected = np.nan if path.expected_events is None else path.expected_events
         yield Finding(f"jumps of stiffness lost or doubled, {law}", abs(path.counts.events - expected), 0)

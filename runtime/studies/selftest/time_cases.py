@@ -10,7 +10,6 @@ from ...linear.modes import find_modes
 from ...linear.system import linearise
 from ...model.equilibrium import Equilibrium
 from ...model.function import Kernel
-from ...model.vibration_scale import vibration_scale
 from ...simulation.integration import Trajectory
 from ...simulation.matrix_exponential import Exact
 from ...simulation.methods.registry import METHODS
@@ -59,7 +58,7 @@ def check_parametric(open_: Open, method: str, full: bool) -> Iterator[Finding]:
 
 def _pushed(bench: Bench) -> Equilibrium:
     """Return the equilibrium pushed out of its place, far against what tolerances refer to."""
-    x, scale = bench.at.x.copy(), vibration_scale(bench.library, bench.at, bench.p)
+    x, scale = bench.at.x.copy(), bench.point.scale
     x[bench.library.index("")] += PUSH * scale[bench.library.index("")]
     return replace(bench.at, x=x)
 

@@ -4,7 +4,6 @@ One run forwards, one backwards: with the adjoint of Cao, Li, Petzold and Serban
 the number of parameters.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,11 +12,9 @@ from numpy.typing import NDArray
 
 from ...linear.balance import Balance
 from ...linear.gradients import Gradients
-from ...model.equilibrium import Equilibrium
 from ...model.function import Kernel
-from ...model.library import Library
-from ...model.load_tables import Pairs
-from ...model.vibration_scale import fastest
+from ...model.operating_point import OperatingPoint
+from ...simulation.run_settings import RunSettings
 from .backward import Backward, report_gradient, vibrating
 from .course import Course, Piece, follow_course
 from .extreme import Instant
@@ -59,27 +56,26 @@ class OutputDerivative:
 
 
 def differentiate_output(
-    library: Library, p: Vector, at: Equilibrium, output: int, *, measure: str, start: float, t_end: float,
-    method: str = "erk", rtol: float = 1e-8, tables: Mapping[str, Pairs] | None = None,
+    point: OperatingPoint, output: int, settings: RunSettings, *, measure: str, start: float
 ) -> OutputDerivative:  # fmt: skip
     """Differentiate a measure of an output of a run from the equilibrium.
 
     Parameters
     ----------
-    library, p, at
-        Model, parameters and the equilibrium where the run begins, which moves with p.
+    point
+        The model where the run begins; its equilibrium moves with the parameters.
     output, measure, start
         Place of the output among the reports; see ``worth.MEASURES``; first instant that counts [s].
-    t_end, method, rtol, tables
-        See ``integrate``; the adjoint has the same tolerance.
+    settings
+        Time, method, tolerance and tables of the run; the adjoint has the same tolerance.
 
     Raises
     ------
     SolverError
         If the run or its adjoint cannot be followed: where motion grows so that derivatives say nothing.
     """
-    course = follow_course(library, p, at, t_end=t_end, method=method, rtol=rtol, tables=tables)
-    return differentiate_course(course, output, measure=measure, start=start, rtol=rtol)
+    course = follow_course(point, settings)
+    return differentiate_course(course, output, measure=measure, start=start, rtol=settings.rtol)
 
 
 def differentiate_course(course: Course, output: int, *, measure: str, start: float, rtol: float) -> OutputDerivative:
@@ -91,7 +87,9 @@ def differentiate_course(course: Course, output: int, *, measure: str, start: fl
         _go_back(course, worth, backward, jumps, output)
     else:
         _go_back_from(course, worth.instant, backward, jumps)
-    gradient = backward.gradient + Balance(Gradients(course.library), course.p, course.at).pull_back(backward.adjoint)
+    gradient = backward.gradient + Balance(Gradients(course.library), course.point.p, course.point.at).pull_back(
+        backward.adjoint
+    )
     sided = jumps.one_sided(course.pieces[0])
     return OutputDerivative(
         worth.value, gradient, len(course.pieces), int(backward.state.steps), sided, _edges(course, worth)
@@ -176,7 +174,7 @@ class _Growth:
 
     def __init__(self, course: Course, end: float, given: float) -> None:
         self.end, self.given, self.size = end, given, vibrating(course)
-        self.speed = fastest(course.library, course.at, course.p)
+        self.speed = course.point.fastest
 
     def look(self, backward: Backward, piece: Piece) -> None:
         """Refuse an adjoint that has outgrown its sources: whatever moves a little moves everything then."""

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ...model.cstruct import FAULTS, NEEDED, STAGES, Function, engine
 from ...model.library import Library, load
-from ...model.vibration_scale import fastest
 from .course import Course, Piece
 
 Vector = NDArray[np.float64]
@@ -64,7 +63,7 @@ class Backward:
         state = self.state
         state.n, state.n_p, state.n_s, state.n_levels = n, n_p, n_s, len(library.manifest.levels)
         state.n_nodes, state.most_steps, state.rtol = len(nodes.points), MOST_STEPS, rtol
-        state.step = 0.1 / fastest(library, course.at, course.p)
+        state.step = 0.1 / course.point.fastest
         for name, values in {
             "points": nodes.points, "weights": nodes.weights, "origin": np.zeros(n), "scale": np.ones(n),
             "size": vibrating(course), "path": np.zeros((len(nodes.points), n)), "s": np.zeros(n_s),

@@ -1,7 +1,6 @@
 """Forward run of the adjoint, kept arc by arc."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,14 +8,14 @@ from ltcgear.generated.contract import HELD
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
-from ...model.equilibrium import Equilibrium
 from ...model.library import Library
-from ...model.load_tables import Pairs, Signals
+from ...model.load_tables import Signals
+from ...model.operating_point import OperatingPoint
 from ...simulation.dense_output import Chebyshev
 from ...simulation.driver import March
 from ...simulation.failure import explain
 from ...simulation.method_limits import check_explicit
-from ...simulation.methods.registry import METHODS
+from ...simulation.run_settings import RunSettings
 
 Vector = NDArray[np.float64]
 Cells = NDArray[np.int64]
@@ -67,8 +66,8 @@ class Course:
 
     Attributes
     ----------
-    library, p, at
-        The model, its parameters, and the equilibrium where the run begins.
+    point
+        The model where the run begins.
     nodes
         The nodes of every piece, in its own time 0..1.
     scale
@@ -77,34 +76,34 @@ class Course:
         The pieces, in order.
     """
 
-    library: Library
-    p: Vector
-    at: Equilibrium
+    point: OperatingPoint
     nodes: Chebyshev
     scale: Vector
     pieces: list[Piece]
 
+    @property
+    def library(self) -> Library:
+        """Return the model."""
+        return self.point.library
 
-def follow_course(
-    library: Library, p: Vector, at: Equilibrium, *, t_end: float, method: str, rtol: float,
-    tables: Mapping[str, Pairs] | None = None,
-) -> Course:  # fmt: skip
+
+def follow_course(point: OperatingPoint, settings: RunSettings) -> Course:
     """Integrate from the equilibrium and keep every arc.
 
     Parameters
     ----------
-    library, p, at, t_end, method, rtol, tables
-        See ``Integration``.
+    point, settings
+        Where the run begins and how it goes; no sampling rate is needed.
 
     Raises
     ------
     SolverError
         If the run does not reach its end.
     """
-    if METHODS[method].explicit:
-        check_explicit(library, at, p, method, t_end)
-    signals = Signals(library.manifest.signals, tables or {})
-    march = March(library, p, at, method, rtol, 1, 1 / t_end, signals, dense=True)
+    if settings.integrator.explicit:
+        check_explicit(point, settings)
+    signals = Signals(point.library.manifest.signals, settings.tables or {})
+    march = March(point, replace(settings, rate=1 / settings.t_end), signals, dense=True)
     assert isinstance(march.nodes, Chebyshev)
     pieces: list[Piece] = []
     while march.state.done <= march.state.last:
@@ -113,11 +112,12 @@ def follow_course(
             march.proceed(segments=1)
         except RuntimeError as error:
             reason = explain(march) or str(error).strip().splitlines()[-1]
-            raise SolverError(f"{method} stopped at t = {march.time:.6g} s (rtol {rtol:g}): {reason}") from error
+            stopped = f"{settings.method} stopped at t = {march.time:.6g} s (rtol {settings.rtol:g})"
+            raise SolverError(f"{stopped}: {reason}") from error
         march.state.filled = 0
         if march.state.segments > segments:
             pieces.append(_piece(march, start))
-    return Course(library, p, at, march.nodes, march.frame.scale, pieces)
+    return Course(point, march.nodes, march.frame.scale, pieces)
 
 
 def _piece(march: March, start: float) -> Piece:

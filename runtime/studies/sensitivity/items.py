@@ -1,6 +1,7 @@
 """Sensitivities of eigenfrequencies or of an output, as plain values."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,9 +14,11 @@ from ...linear.system import linearise
 from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs
+from ...model.operating_point import OperatingPoint
 from ...model.parameter_bounds import is_continuous
 from ...simulation.choose_method import choose
 from ...simulation.methods.registry import AUTO
+from ...simulation.run_settings import RunSettings
 from .adjoint import OutputDerivative, differentiate_output
 from .ranking import list_influences
 from .worth import check_measure, find_output
@@ -97,11 +100,10 @@ def list_output(
     start, end = window
     check_measure(measure, start, end)
     place = find_output(library.manifest, output)
-    at = find_equilibrium(library, p, tables=tables)
-    chosen = choose(library, at, p, rtol, tables, end).method if method == AUTO else method
-    found = differentiate_output(
-        library, p, at, place, measure=measure, start=start, t_end=end, method=chosen, rtol=rtol, tables=tables
-    )
+    point = OperatingPoint(library, p, find_equilibrium(library, p, tables=tables))
+    settings = RunSettings(end, method=method, rtol=rtol, tables=tables)
+    chosen = choose(point, settings).method if method == AUTO else method
+    found = differentiate_output(point, place, replace(settings, method=chosen), measure=measure, start=start)
     unit, rows = library.manifest.reports[place].unit, list_influences(library.manifest, p, found.value, found.gradient)
     item = {
         "name": f"{measure} of {output}, {start:g} to {end:g} s", "unit": unit, "value": found.value,

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from ltcgear.generated.contract import Artifact
@@ -12,6 +13,7 @@ from ...model.library import build
 from ...results.dataset import make_dataset
 from ...results.samples import no_rows
 from ...simulation.room import check_size
+from ...simulation.run_settings import RunSettings
 from ...simulation.sampling_rate import find_rate
 from ...simulation.simulate import Run
 from .design import Design
@@ -93,7 +95,7 @@ def _find_fault(maker: Maker, changes: Mapping[str, str]) -> str:
 
 
 def make_plan(
-    maker: Maker, design: Design, taken: Keys, metrics: Sequence[str] | None, settings: Mapping[str, Any], told: Told
+    maker: Maker, design: Design, taken: Keys, metrics: Sequence[str] | None, settings: RunSettings, told: Told
 ) -> Plan:
     """Derive and compile all variants, and lay out the rows, before any worker starts."""
     plan: Plan | None = None
@@ -125,15 +127,15 @@ def _list_variants(maker: Maker, design: Design, taken: Keys) -> dict[str, dict[
 
 
 def prepare(
-    maker: Maker, changes: Mapping[str, str], metrics: Sequence[str] | None, settings: Mapping[str, Any]
+    maker: Maker, changes: Mapping[str, str], metrics: Sequence[str] | None, settings: RunSettings
 ) -> tuple[Artifact, "xr.Dataset", Sequence[str]]:
     """Obtain and compile a variant, with what its integrator compiles; return it, its row, and the metrics."""
     artifact = maker.obtain(changes)
     library, (_, values, tables) = build(artifact), maker.make(changes)
-    check_size(library, settings["t_end"] * settings["rate"])
+    check_size(library, settings.t_end * settings.sampling_rate)
     p = library.parameters(values)
     with own_reason():
-        Run(library, p, tables=tables, **settings)
+        Run(library, p, replace(settings, tables=tables))
     empty = make_dataset(library, p, no_rows(library))
     metrics = metrics or choose_metrics(empty)
-    return artifact, lay_out(empty, metrics, settings["t_end"], settings["rate"], settings["raw"]), metrics
+    return artifact, lay_out(empty, metrics, settings.t_end, settings.sampling_rate, settings.raw), metrics

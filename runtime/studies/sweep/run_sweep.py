@@ -4,7 +4,6 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
-from math import isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -13,9 +12,8 @@ from ltcgear.generated.errors import LtcgearError
 
 from ...results.attributes import to_attributes
 from ...results.row_file import part_of
-from ...simulation.integration import check_length
 from ...simulation.low_pass import BAND
-from ...simulation.simulate import DEFAULT_METHOD, DEFAULT_RTOL, check_options
+from ...simulation.run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings, check_options
 from .axes import read_axes
 from .design import Design, draw_design
 from .execution import Pool, Processes, check_joblib
@@ -104,7 +102,7 @@ def sweep(
     """
     clock, target = perf_counter(), Path(target)
     check_joblib()
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, rate)
     check_store(target)
     for name in metrics or ():
         find_metric(name)
@@ -113,12 +111,9 @@ def sweep(
     taken = check_points(maker, design)
     ends = [dict(changes) for changes in taken]
     end, samples = maker.times(ends[0])
-    settings: dict[str, Any] = {"t_end": end if t_end is None else t_end, "method": method, "rtol": rtol, "raw": raw}
-    settings["long"] = long
     given = samples if rate is None else rate
-    settings["rate"] = choose_common_rate(maker, ends) if given is None else given
-    _check_rate(settings["rate"])
-    check_length(settings["t_end"] * settings["rate"])
+    common = choose_common_rate(maker, ends) if given is None else given
+    settings = RunSettings(end if t_end is None else t_end, common, method, rtol, raw, long=long).checked()
     with _open_pool(workers, scheduler, design.size) as pool:
         plan = make_plan(maker, design, taken, metrics, settings, told)
         seconds = {"prepare": perf_counter() - clock}
@@ -141,12 +136,6 @@ def _check_skip(skip: Sequence[int], design: Design) -> None:
             raise LtcgearError(f"--skip {point}: no such point; they are numbered from 0 to {design.size - 1}")
 
 
-def _check_rate(rate: float) -> None:
-    """Refuse a rate of samples that is none."""
-    if not (isfinite(rate) and rate > 0):
-        raise LtcgearError(f"rate {rate:g}: must be samples a second [Hz], greater than zero")
-
-
 def describe_sweep(plan: Plan) -> dict[str, Any]:
     """Return what makes a sweep what it is; two whose descriptions are equal are equal to the last bit."""
     drawn = plan.design.to_json()
@@ -155,7 +144,7 @@ def describe_sweep(plan: Plan) -> dict[str, Any]:
         **axes,
         **{name: drawn[name] for name in ("sample", "points", "seed")},
         "metrics": ", ".join(plan.metrics),
-        **{name: value for name, value in plan.settings.items() if name != "long"},
+        **plan.settings.identity(),
         **plan.maker.entries(),
         **{f"version of {name}": version(name) for name in _list_packages(plan.design)},
         "equations": sorted(plan.models),
@@ -178,8 +167,8 @@ def _write_axis(axis: Mapping[str, Any]) -> str:
 
 def _attributes(plan: Plan) -> dict[str, Any]:
     """Return what the file tells of scene and settings."""
-    told = {name: value for name, value in plan.settings.items() if name not in ("raw", "long")}
-    band = {} if plan.settings["raw"] else {"band_hz": BAND * plan.settings["rate"]}
+    told = {name: value for name, value in plan.settings.identity().items() if name != "raw"}
+    band = {} if plan.settings.raw else {"band_hz": BAND * plan.settings.sampling_rate}
     return to_attributes(plan.maker.about(), {**told, **band, "metrics": list(plan.metrics)})
 
 

@@ -4,7 +4,7 @@ import hashlib
 import pickle
 import signal
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from importlib.metadata import version
 from threading import Lock, current_thread, main_thread
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...model.library import Library, build
 from ...model.load_tables import Pairs
 from ...simulation.integration import EXHAUSTED
+from ...simulation.run_settings import RunSettings
 from ...simulation.simulate import simulate
 from .design import Design
 from .faults import describe, is_machines
@@ -73,7 +74,7 @@ class Plan:
     form
         A row without numbers, with all items of all variants.
     settings
-        Time to simulate, rate, method and tolerance, as ``simulate`` takes them.
+        Settings of every run, but for the tables, which are each point's own.
     models
         Generated models by key.
     rows
@@ -84,7 +85,7 @@ class Plan:
     design: Design
     metrics: Sequence[str]
     form: "xr.Dataset"
-    settings: Mapping[str, Any]
+    settings: RunSettings
     models: dict[str, Artifact]
     rows: dict[str, "xr.Dataset"]
     version: str = field(default_factory=lambda: version("ltcgear"))
@@ -129,7 +130,7 @@ class Plan:
         key, values, tables = self.maker.make(self.design.changes(point))
         if key not in self.models:
             return PointOutcome(point, UNBUILT)
-        result = simulate(self.library(key), values, tables=tables, **self.settings)
+        result = simulate(self.library(key), values, **vars(replace(self.settings, tables=tables)))
         status, warnings = result.summary["status"], tuple(result.summary["warnings"])
         if status.startswith("interrupted"):
             raise KeyboardInterrupt
