@@ -20,7 +20,7 @@ import re, sys
 from pathlib import Path
 from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.room import bytes_in_memory
-from ltcgear.runtime.simulation import simulate
+from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.scene.load import load_scene
