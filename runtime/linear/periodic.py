@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..model.equilibrium import Equilibrium, find_equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
+from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import Clocks
 from .system import Linear, linearise
 
@@ -197,7 +198,7 @@ def vary(
         raise LtcgearError(_too_long(cycles))
     at = find_equilibrium(library, p) if at is None else at
     period = float(turns) * 2 * pi / abs(reference)
-    borders = _borders(library, p, at, cycles)
+    borders = _borders(OperatingPoint(library, p, at), cycles)
     follows = any(name in followed for name in chosen)
     return Periodic(linearise(library, p, at), p, cycles, period, borders, follows, len(chosen) == len(varying))
 
@@ -299,9 +300,10 @@ def _common(lengths: list[Fraction]) -> Fraction:
     return Fraction(lcm(*(each.numerator for each in lengths)), gcd(*(each.denominator for each in lengths)))
 
 
-def _borders(library: Library, p: Vector, at: Equilibrium, cycles: dict[str, int]) -> Vector:
+def _borders(point: OperatingPoint, cycles: dict[str, int]) -> Vector:
     """Return the parts of the period at which a level jumps: single contact begins at 0 and lasts for its share."""
-    tau, _, share = (part.copy() for part in Kernel(library.functions["phases"])(at.x, at.s, p))
+    library, at = point.library, point.at
+    tau, _, share = (part.copy() for part in Kernel(library.functions["phases"])(at.x, at.s, point.p))
     found = [np.array([0.0, 1.0])]
     for i, mesh in enumerate(library.manifest.levels):
         n = cycles.get(mesh, 0)

@@ -155,25 +155,23 @@ def linearise(library: Library, p: Vector, at: Equilibrium, turn: float | None =
         Turns of the reference after which the meshes are held; means over the mesh phase where left out.
     """
     names = [state.name for state in library.manifest.states]
-    if turn is None:
-        p = settled(library, p)
-    else:
-        at = _turned(library, p, at, turn)
+    held = OperatingPoint(library, p, at)
+    point = replace(held, p=settled(library, p)) if turn is None else replace(held, at=_turned(held, turn))
     known = library.manifest.reference == "speed"
     kept = np.array([i for i, name in enumerate(names) if not (known and name == "reference.angle")], dtype=np.int64)
-    scale = OperatingPoint(library, p, at).scale
     jacobian = library.functions["jac_rhs"]
-    whole = _sparse(jacobian.sparsity_out(0), Kernel(jacobian)(at.x, at.s, p, 0.0)[0])
-    return Linear(library, at, p, scale, kept, whole[kept][:, kept], _motions(library, at, p))
+    whole = _sparse(jacobian.sparsity_out(0), Kernel(jacobian)(point.at.x, point.at.s, point.p, 0.0)[0])
+    return Linear(library, point.at, point.p, point.scale, kept, whole[kept][:, kept], _motions(point))
 
 
-def _turned(library: Library, p: Vector, at: Equilibrium, turn: float) -> Equilibrium:
+def _turned(point: OperatingPoint, turn: float) -> Equilibrium:
     """Return the equilibrium's state at another angle of the reference, with the levels that hold there."""
+    library, at = point.library, point.at
     names = [state.name for state in library.manifest.states]
     x = at.x.copy()
     if "reference.angle" in names:
         x[names.index("reference.angle")] += TURN * turn
-    tau, rate, share = (part.copy() for part in Kernel(library.functions["phases"])(x, at.s, p))
+    tau, rate, share = (part.copy() for part in Kernel(library.functions["phases"])(x, at.s, point.p))
     return replace(at, x=x, levels=levels_of(cells_of(Phases(tau, rate, share))))
 
 
@@ -191,11 +189,12 @@ def _sparse(sparsity: ca.Sparsity, values: Vector) -> csr_array:
     return csr_array((values.copy(), (rows, columns)), shape=sparsity.shape)
 
 
-def _motions(library: Library, at: Equilibrium, p: Vector) -> Motions:
+def _motions(point: OperatingPoint) -> Motions:
     """Describe the absolute motions: where no speed is held, the reference angle carries everything along."""
+    library = point.library
     everything = library.manifest.states
     names = [state.name for state in everything]
-    number = name_values(library.manifest, p)
+    number = name_values(library.manifest, point.p)
     position = library.index("")
     states = [everything[i] for i in position]
     if library.manifest.reference == "torque":
@@ -204,7 +203,7 @@ def _motions(library: Library, at: Equilibrium, p: Vector) -> Motions:
     matrix = np.zeros((len(states), len(names)))
     matrix[np.arange(len(position)), position] = 1.0
     if library.manifest.reference == "torque":
-        place = {(state.body, state.axis): float(at.x[i]) for i, state in zip(position, states, strict=False)}
+        place = {(state.body, state.axis): float(point.at.x[i]) for i, state in zip(position, states, strict=False)}
         matrix[:, names.index("reference.angle")] = [_carried(state, bodies, number, place) for state in states]
     mass = np.array([number[state.inertia] for state in states])
     return Motions(states, mass, matrix, [bodies[state.body].part for state in states])

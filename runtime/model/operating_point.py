@@ -13,7 +13,7 @@ from .library import Library
 
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Eigen = tuple[Complex, Complex]
+EigenPairs = tuple[Complex, Complex]
 """Eigenvalues [1/s], shape (m,), and the shapes that go with them in scaled coordinates, shape (n, m)."""
 
 
@@ -59,12 +59,12 @@ class OperatingPoint:
         return scale
 
     @cached_property
-    def spectrum(self) -> Eigen:
+    def spectrum(self) -> EigenPairs:
         """Return eigenvalues and shapes with all contacts closed, at the mean mesh levels."""
         return self._eigen(self.at.s)
 
     @cached_property
-    def stiffest_spectrum(self) -> Eigen:
+    def stiffest_spectrum(self) -> EigenPairs:
         """Return eigenvalues and shapes where the model is stiffest: both pairs in contact, teeth closed."""
         return self._eigen(np.concatenate([np.ones(len(self.at.levels)), self.at.signals]))
 
@@ -82,7 +82,7 @@ class OperatingPoint:
         state = self.library.manifest.states[self.library.index("")[int(energy.argmax())]]
         return f"{state.body} ({state.axis})"
 
-    def _eigen(self, s: Vector) -> Eigen:
+    def _eigen(self, s: Vector) -> EigenPairs:
         """Return eigenvalues and shapes at levels and signals, with all contacts closed."""
         matrix = state_matrix(self.library, self.at.x, s, closed(self.library, self.p))
         values, shapes = np.linalg.eig(matrix * self.scale[None, :] / self.scale[:, None])

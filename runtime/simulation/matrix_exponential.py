@@ -15,9 +15,8 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from ..model.equilibrium import Equilibrium, state_matrix
+from ..model.equilibrium import state_matrix
 from ..model.function import Kernel
-from ..model.library import Library
 from ..model.operating_point import OperatingPoint
 
 Vector = NDArray[np.float64]
@@ -36,10 +35,8 @@ class Exact:
 
     Parameters
     ----------
-    library, p
-        Model and parameters, shape (n_p,).
-    at
-        Where it starts.
+    point
+        The model where it starts.
 
     Raises
     ------
@@ -47,11 +44,12 @@ class Exact:
         If the model is not linear between jumps, or its speed is not held and constant.
     """
 
-    def __init__(self, library: Library, p: Vector, at: Equilibrium) -> None:
+    def __init__(self, point: OperatingPoint) -> None:
+        library, p, at = point.library, point.p, point.at
         if library.manifest.reference == "torque" or library.manifest.signals:
             raise LtcgearError("no exact solution: the jumps are known in advance at a held, constant speed only")
         self.library, self.p, self.start = library, p, at.x
-        self.scale = OperatingPoint(library, p, at).scale
+        self.scale = point.scale
         self.levels = len(library.manifest.levels)
         tau, rate, share = Kernel(library.functions["phases"])(at.x, np.zeros(self.levels), p)
         self.tau, self.rate, self.share = tau.copy(), rate.copy(), share.copy()

@@ -139,7 +139,7 @@ MESHES = ("sun_planet", "ring_planet")
 
 def test_it_is_the_exact_solutions_monodromy():
     c = case("lsp", 'effects.lateral = "off"', *STAGE)
-    exact = Exact(c.library, c.p, c.at)
+    exact = Exact(c.point)
     found = multipliers(c)
     assert found.periodic.period == pytest.approx(exact.period(), rel=1e-12)
     assert np.abs(np.linalg.eigvals(exact.monodromy())).max() == pytest.approx(abs(found.multipliers[0].value))

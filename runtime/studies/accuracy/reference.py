@@ -162,7 +162,7 @@ def _reading(bench: Bench, methods: list[str]) -> float:
 def _exact(bench: Bench, path: Trajectory, samples: ComparedSamples) -> Errors | None:
     """Return the errors of a run against the exact motion; None where there is no such motion."""
     try:
-        exact = Exact(bench.library, bench.p, bench.at)
+        exact = Exact(bench.point)
     except LtcgearError:
         return None
     x, levels = exact.solve(path.time)

@@ -14,7 +14,7 @@ TORSIONAL = {"effects.lateral": "off"}
 
 def _exact(bench: Bench) -> Exact:
     """Return the exact motion from the equilibrium on."""
-    return Exact(bench.library, bench.p, bench.at)
+    return Exact(bench.point)
 
 
 def check_jumps(open_: Open, method: str, full: bool) -> Iterator[Finding]:

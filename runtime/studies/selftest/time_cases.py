@@ -44,7 +44,7 @@ def check_parametric(open_: Open, method: str, full: bool) -> Iterator[Finding]:
         bench = open_(
             "psh", FREE | {"loads.input.speed": f"{-speed!r} rad/s", "stages.psh.mesh.damping_ratio": damping}
         )
-        exact = Exact(bench.library, bench.p, bench.at)
+        exact = Exact(bench.point)
         period, wanted = exact.period(), exact.growth()
         pitches = 400 if full else 100
         path = bench.run(method, at=_pushed(bench), t_end=pitches * period, rate=1 / period, rtol=RTOL)
