@@ -11,6 +11,7 @@ from ltcgear.generated import store
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.topology import Topology
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.studies.accuracy.record import digest_numbers, read_record
 from ltcgear.symbolic.assembly import build_model
@@ -330,8 +331,9 @@ def test_the_page_of_sweeps_tells_what_was_measured(benchmarks):
 
 def test_modes_of_the_rig_are_those_of_the_page(benchmarks):
     page = benchmarks("modes")
-    scene, _, modes = page.rig()
-    made = {"list": page.list_table(modes), "lines": page.line_table(scene, modes), "explained": page.explained(scene)}
+    scene, linear, modes = page.rig()
+    table = page.list_table(modes, Topology(linear.library.manifest))
+    made = {"list": table, "lines": page.line_table(scene, modes), "explained": page.explained(scene)}
     for name, part in made.items():
         assert benchmarks("marks").take(page.PAGE, name) == part
     assert page.FIGURE.exists()
