@@ -244,5 +244,5 @@ class Native(Shared):
         self.state.advance = ADVANCE(advance)
 
     def march(self, segments: int, seconds: float) -> int:
-        """March on, see ``native/march.c``; other threads run meanwhile."""
+        """March on, see ``model/c/march.c``; other threads run meanwhile."""
         return int(self.engine.ltcgear_march(ctypes.byref(self.state), segments, seconds))

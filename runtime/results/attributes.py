@@ -30,7 +30,7 @@ def to_attributes(attributes: Mapping[str, Any] | None, summary: Mapping[str, An
 
 
 def read_summary(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the summary that attributes keep, which ``form`` has found to be what ltcgear writes."""
+    """Return the summary that attributes keep, which ``file_schema`` has found to be what ltcgear writes."""
     kept: dict[str, Any] = {name: attributes[name] for name in PLAIN if name in attributes}
     kept = {name: value.item() if hasattr(value, "item") else value for name, value in kept.items()}
     kept |= {name: None if kept.get(name) == "null" else kept.get(name) for name in ("why", "why_rate")}

@@ -28,7 +28,7 @@ def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics
     library, p
         Model and its parameters, shape (n_p,).
     rows
-        Outputs, states and levels of kept samples (see ``reading``); there may be none.
+        Outputs, states and levels of kept samples (see ``samples``); there may be none.
     statistics
         Statistics of the outputs along the motion, where the run reached its end.
 

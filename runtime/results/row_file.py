@@ -1,6 +1,6 @@
 """Row file of a run under way: its samples on disk, readable at every moment; sealed, they are the result.
 
-While a run goes on its rows are appended to ``NAME.part.nc``, a NetCDF file of the classic form (see ``classic``): a
+While a run goes on its rows are appended to ``NAME.part.nc``, classic NetCDF (see ``classic_netcdf``): a
 heading that is written once, then one record a row. How many records there are is written after them, so that a killed
 run leaves a whole file; HDF5 would be broken where it is killed while it writes. The heading bears an identity that no
 other part has and its check sum; a running check sum over the rows tells whether they are those that were written. At

@@ -2,7 +2,7 @@
 
 A border is a zero of one of the generated indicators g (teeth that come to push, a race that is reached). While an arc
 is integrated its sides are held, so that nothing bends within it; the first border that it crosses ends it, which
-``native/regimes.c`` sees to.
+``model/c/regimes.c`` sees to.
 """
 
 import numpy as np

@@ -1,6 +1,6 @@
 """Driver of an integration: segments of smooth motion between switching instants.
 
-The segments themselves are in C (``native/march.c``); here they are set going, and led from knot to knot of the loads
+The segments themselves are in C (``model/c/march.c``); here they are set going, and led from knot to knot of the loads
 and from turn to turn of the reference.
 """
 
@@ -69,7 +69,7 @@ class March:
     dense
         Whether all arcs shall have nodes between which their path can be read, even where nothing switches or bends.
     passing
-        Take points of the motion too (``native/points.c``), at which it and what varies so fast [rad/s] are resolved;
+        Take points of the motion too (``model/c/points.c``), at which it and what varies so fast [rad/s] are resolved;
         None takes none.
 
     Attributes

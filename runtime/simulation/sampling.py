@@ -41,7 +41,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Points:
-    """Points of the motion that follow each other, and the time that each stands for [s]: see ``native/points.c``.
+    """Points of the motion that follow each other, and the time that each stands for [s]: see ``model/c/points.c``.
 
     What is not listed is that of a ``Block``.
 

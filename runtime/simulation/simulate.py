@@ -61,7 +61,7 @@ def simulate(
     t_end, rate
         Time to simulate [s] and samples a second [Hz]; without, the rate is chosen from modes and meshes (``rates``).
     method, rtol
-        Integrator (see ``registry.METHODS``; ``auto`` chooses one, see ``choice``) and its relative tolerance,
+        Integrator (see ``registry.METHODS``; ``auto`` chooses one, see ``choose_method``) and its relative tolerance,
         which refers to vibrations.
     raw
         Keep outputs of the instant, in which what lies above half the rate shows as false lines below it. Else all are
@@ -75,7 +75,7 @@ def simulate(
     verify
         Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
     long
-        Begin a run too that is reckoned to take more than about an hour (``guard``); else it is refused.
+        Begin a run too that is reckoned to take more than about an hour (``method_limits``); else it is refused.
 
     Raises
     ------

@@ -22,7 +22,7 @@ FIELDS: tuple[tuple[Any, str], ...] = (
     (ctypes.c_void_p, "points weights origin scale size path s slope p worth lambda gradient"),
     (ctypes.c_void_p, "x s_now stages gains report_x report_p trial after"),
 )
-"""The structure ``adjoint`` of native/adjoint.c."""
+"""The structure ``adjoint`` of ``model/c/adjoint.c``."""
 MOST_STEPS = 1_000_000
 
 

@@ -1,6 +1,6 @@
 """Sweep file: rows on disk, readable while the sweep runs; at the end NetCDF4.
 
-Rows are records of a classic NetCDF file, ``NAME.part.nc`` (see ``part``), in the order in which they come. When all
+Rows are records of classic NetCDF, ``NAME.part.nc`` (see ``row_file``), in the order in which they come. When all
 are there they are sorted by point into ``NAME.nc``. Both tell of which sweep they are, so that another is not taken
 for it.
 """
