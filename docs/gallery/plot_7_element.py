@@ -10,47 +10,48 @@ and a run against the closed form.
 # %%
 # The element
 # -----------
-# An element joins ports (the motion of bodies as it sees them). It is written down
-# twice, and the two share nothing but symbols: ``potential`` and ``dissipation``, from
-# which Lagrange's forces follow, and ``wrench``, the force and torque on each port, by
-# hand. With the twist phi = theta_1 - theta_2 the law is T = k phi + k_3 phi^3,
-# Duffing's, and a damper.
+# An element joins ports (the motion of bodies as it sees them), each with the axes that it
+# knows; this one sees angles only. It is written down twice, and the two share nothing but
+# symbols: ``potential`` and ``dissipation``, from which Lagrange's forces follow, and
+# ``wrench``, by hand: what acts on a port along or about an axis. ``element_type`` enters
+# it into the list of element types. With the twist phi = theta_1 - theta_2 the law is
+# T = k phi + k_3 phi^3, Duffing's, and a damper.
 
 from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
-import sympy as sp
 from ltcgear.generated.errors import CheckError
 from ltcgear.runtime import build, find_equilibrium, find_modes, linearise, simulate
 from ltcgear.symbolic import SceneBuilder, build_model, check_model, generate
-from ltcgear.symbolic.elements import TYPES, Element, Output, Port
-from ltcgear.symbolic.elements.base import positive
+from ltcgear.symbolic.elements.axes import THETA
+from ltcgear.symbolic.elements.base import Element, Output, Port, element_type, positive
+from ltcgear.symbolic.elements.key import ElementKey
 from ltcgear.symbolic.mechanics.model import Parameter
 from scipy.integrate import solve_ivp
 
 K, K3, C = positive("k_t"), positive("k_3"), positive("c_t")
 
 
+@element_type
 def stiffening_coupling() -> Element:
     """Write a torsional spring with a cubic part, and a damper."""
-    one, two = Port.numbered(1), Port.numbered(2)
+    one, two = Port.numbered(1, (THETA,)), Port.numbered(2, (THETA,))
     twist, rate = one.theta - two.theta, one.omega - two.omega
     torque = K * twist + K3 * twist**3 + C * rate
-    zero = sp.S.Zero
     return Element(
         name="stiffening_coupling",
+        title="stiffening coupling",
+        joins="coupling",
         ports=(one, two),
         parameters={K: "N*m/rad", K3: "N*m/rad^3", C: "N*m*s/rad"},
         potential=K * twist**2 / 2 + K3 * twist**4 / 4,
         dissipation=C * rate**2 / 2,
-        wrench=(zero, zero, -torque, zero, zero, torque),
-        outputs={"torque": Output(torque, "N*m")},
+        wrench={(one, THETA): -torque, (two, THETA): torque},
+        outputs={"torque": Output(torque, "N*m", "coupling_torque")},
         source="Duffing 1918, Erzwungene Schwingungen bei veränderlicher Eigenfrequenz",
     )
 
-
-TYPES["stiffening_coupling"] = stiffening_coupling
 
 # %%
 # Where it works
@@ -73,11 +74,11 @@ plain = build_model(scene)
 print(linear_coupling)
 
 
-def stiffened(model, element=("stiffening_coupling",)):
+def stiffened(model, law="stiffening_coupling"):
     """Put the new element in the coupling's place."""
-    bind = linear_coupling.bind | {"k_3": "couplings.rubber.cubic"}
+    bind, key = linear_coupling.bind | {"k_3": "couplings.rubber.cubic"}, ElementKey(law)
     instances = tuple(
-        replace(item, element=element, bind=bind) if item == linear_coupling else item
+        replace(item, element=key, bind=bind) if item == linear_coupling else item
         for item in model.instances
     )
     number = Parameter("couplings.rubber.cubic", 6.0e5, "N*m/rad^3")
@@ -101,17 +102,16 @@ for check in check_model(model):
 # C comes out:
 
 
+@element_type
 def wrong_coupling() -> Element:
     """Write the same element with a mistake."""
     right = stiffening_coupling()
-    return replace(
-        right, name="wrong_coupling", wrench=tuple(w.subs(K3, -K3) for w in right.wrench)
-    )
+    wrench = {at: load.subs(K3, -K3) for at, load in right.wrench.items()}
+    return replace(right, name="wrong_coupling", wrench=wrench)
 
 
-TYPES["wrong_coupling"] = wrong_coupling
 try:
-    generate(stiffened(plain, ("wrong_coupling",)))
+    generate(stiffened(plain, "wrong_coupling"))
 except CheckError as error:
     print(error)
 else:
@@ -186,14 +186,13 @@ plt.show()
 # %%
 # Into the house
 # --------------
-# ``TYPES`` is the one list of element types, so an element from outside works as those
+# There is one list of element types, so an element from outside works as those
 # from inside do. One thing it cannot do: ``ltcgear.symbolic.emit.pipeline.obtain``, which
 # keeps C between runs, does not see a change of an element that stands outside; use
 # ``generate``. To make such a law part of ltcgear, so that a scene can call for it:
 #
-# 1. The element goes into a file in ``symbolic/elements``, with its source, and into
-#    ``TYPES``. What it reports is named in ``QUANTITIES`` of
-#    ``symbolic/mechanics/equations.py``.
+# 1. The element goes into a file in ``symbolic/elements``, with its source, its plain name,
+#    the kind of connection it belongs to and the quantities it reports.
 # 2. The effect is a row in ``symbolic/schema/effects.py``: name, values, the value that
 #    leaves it out, help, source, what it needs and excludes. Validation, help, costs and
 #    the page :doc:`/effects` follow from it.

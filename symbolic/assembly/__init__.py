@@ -47,7 +47,7 @@ def build_model(scene: Scene) -> Model:
         add_gravity(draft)
     add_rayleigh(draft)
     return Model(
-        scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, tuple(draft.instances),
+        scene.title, scene.name, rigid.mode, tuple(draft.bodies), draft.frames, draft.placed(),
         tuple(draft.levels), tuple(draft.phases), tuple(draft.profiles),
         tuple(draft.parameters.values()), dict(scene.effects), draft.statics,
         tuple(draft.signals.values()), draft.tables, tuple(draft.clocks),

@@ -4,6 +4,7 @@ from math import sqrt
 
 from ltcgear.generated.contract import CLOSING, CONSTANT, COUNT, HOMOTOPY
 
+from ..elements.key import ElementKey
 from ..gears import train
 from ..mechanics.model import BASIS, Body
 from ..schema.scene_schema import Bearing, Coupling, Member, Planetary, Rotor, TorsionalSupport
@@ -23,7 +24,8 @@ def add_member(
     if member.torsional_support is not None and not train.is_fixed(member):
         _torsional_support(draft, name, member.torsional_support, train.inertia_of(member)[1])
     if member.drag is not None and not train.is_fixed(member):
-        draft.place(f"{name}.drag", ("drag",), (name,), c_t=draft.number(f"{name}.drag", member.drag, "N*m*s/rad"))
+        bind = {"c_t": draft.number(f"{name}.drag", member.drag, "N*m*s/rad")}
+        draft.place(f"{name}.drag", ElementKey("drag"), (name,), **bind)
 
 
 def add_body(
@@ -40,7 +42,7 @@ def add_body(
     inertia = joined_inertia(draft, kin, member)
     draft.bodies.append(
         Body(
-            name, lateral, turning,
+            name, ("x", "y") * lateral + ("u",) * (turning == "free"), turning,
             draft.number(f"{kin}.mass", mass, "kg") if lateral else None,
             draft.number(f"{kin}.inertia", inertia, "kg*m^2") if turning not in ("held", "led") else None,
             draft.number(f"{kin}.speed_ratio", draft.rigid.ratios[kin], "", COUNT) if runs else None,
@@ -79,7 +81,8 @@ def _ground_bearing(draft: Draft, name: str, bearing: Bearing, mass: float, plac
         bind["c"] = damper
     race = _clearance(draft, f"{name}.bearing", f"{name}.bearing", bearing)
     group = "ground_clearance" if race else "ground_bearing"
-    draft.place(name, (group, damper is not None), (name,), f"{name}.bearing", **bind, **_origin(draft, place), **race)
+    element = ElementKey.of(group, damped=damper is not None)
+    draft.place(name, element, (name,), f"{name}.bearing", **bind, **_origin(draft, place), **race)
 
 
 def _clearance(draft: Draft, label: str, key: str, bearing: Bearing) -> dict[str, str]:
@@ -100,7 +103,8 @@ def _torsional_support(draft: Draft, name: str, support: TorsionalSupport, inert
     damper = _damper(draft, f"{name}.torsional_support", support, inertia, "N*m*s/rad")
     if damper:
         bind["c_t"] = damper
-    draft.place(name, ("torsional_support", damper is not None), (name,), f"{name}.torsional_support", **bind)
+    element = ElementKey.of("torsional_support", damped=damper is not None)
+    draft.place(name, element, (name,), f"{name}.torsional_support", **bind)
 
 
 def reduced(one: float, two: float) -> float:
@@ -127,7 +131,7 @@ def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:
     damper = _damper(draft, f"couplings.{name}", coupling, inertia, "N*m*s/rad")
     if damper:
         bind["c_t"] = damper
-    draft.place(name, ("coupling", damper is not None), (one, two), f"couplings.{name}", **bind)
+    draft.place(name, ElementKey.of("coupling", damped=damper is not None), (one, two), f"couplings.{name}", **bind)
 
 
 def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple[str, str]) -> None:
@@ -143,11 +147,12 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
     label = f"{name}.pin.{number}"
     bind |= _clearance(draft, label, f"{name}.pin", stage.pin)
     group = "pin_clearance" if "clearance" in bind else "pin"
-    draft.place(label, (group, damper is not None), bodies, f"{name}.pin", **bind, **({"c": damper} if damper else {}))
+    element = ElementKey.of(group, damped=damper is not None)
+    draft.place(label, element, bodies, f"{name}.pin", **bind, **({"c": damper} if damper else {}))
     if draft.on("bearing_friction") and (stage.pin.friction or stage.pin.friction_damping):
         pin = stage.pin
         draft.place(
-            label, (f"{group}_friction",), bodies, **bind,
+            label, ElementKey(f"{group}_friction"), bodies, **bind,
             mu=draft.number(f"{name}.pin.friction", pin.friction, ""),
             d_b=draft.number(f"{name}.pin.diameter", pin.diameter or 0.0, "m"),
             c_r=draft.number(f"{name}.pin.friction_damping", pin.friction_damping or 0.0, "N*m*s/rad"),
@@ -174,4 +179,4 @@ def _weigh(draft: Draft, body: Body, mass: str) -> None:
     if centre is not body:
         draft.bodies.append(centre)
     draft.turn(f"{body.frame}.frame", draft.frames[body.frame])
-    draft.place(body.name, ("gravity",), (centre.name,), m=mass, beta=BASIS, **bind)
+    draft.place(body.name, ElementKey("gravity"), (centre.name,), m=mass, beta=BASIS, **bind)

@@ -1,9 +1,11 @@
 """Draft of the model while it is assembled; the only value of the pipeline that changes."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ltcgear.generated.contract import GEOMETRY, PHYSICAL, REGIME, Clock, Signal
 
+from ..elements.axes import PLANE
+from ..elements.key import ElementKey
 from ..gears import train
 from ..mechanics.model import HOLD, Body, Instance, Level, Parameter, Phase, Profile
 from ..schema.mesh_schema import Mesh
@@ -80,12 +82,17 @@ class Draft:
             start = self.number(f"{name}.start_angle", 0.0, "rad", GEOMETRY)
             self.clocks.append(Clock(start, "", ratio or "", frame or ""))
 
-    def place(
-        self, name: str, element: tuple[str | bool, ...], bodies: tuple[str, ...], family: str = "", **bind: str
-    ) -> None:
+    def place(self, name: str, element: ElementKey, bodies: tuple[str, ...], family: str = "", **bind: str) -> None:
         """Note an element instance, of a family where it connects bodies."""
-        group = str(element[0])
-        self.instances.append(Instance(name, group, element, bodies, bind, family))
+        self.instances.append(Instance(name, element, bodies, bind, family))
+
+    def placed(self) -> tuple[Instance, ...]:
+        """Return the element instances, their keys with the axes on which the bodies of this model are not at zero."""
+        sideways = any(body.lateral or body.place for body in self.bodies)
+        live = tuple(axis.name for axis in PLANE if axis.rotation or sideways)
+        return tuple(
+            replace(item, element=replace(item.element, live=(live,) * len(item.bodies))) for item in self.instances
+        )
 
     def on(self, effect: str) -> bool:
         """Tell whether an on/off effect is on."""

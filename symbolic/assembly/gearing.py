@@ -1,10 +1,11 @@
 """Meshes of a model: law, stiffness, errors, damper, contact, friction, phase."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import cos, pi, sin, sqrt
 
 from ltcgear.generated.contract import BACK, COUNT, GEOMETRY, HOMOTOPY, PULL, VARYING, Clock
 
+from ..elements.key import ElementKey, Option
 from ..gears import gear_geometry, train
 from ..mechanics.model import PHASE, TURN, Body, Level, Phase
 from ..schema.scene_schema import Eccentricity, Planetary
@@ -41,8 +42,8 @@ def add_mesh(draft: Draft, at: MeshPlace) -> None:
     if draft.on("mesh_damping"):
         _mesh_damping(draft, at, geometry, mean, bind)
     kind = "external" if at.sigma > 0 else "internal"
-    two_levels, followed = "level" in bind, "k_d" in bind
-    _contact(draft, at, bodies, (kind, law, two_levels, "c" in bind), (error, followed), bind)
+    options = {"switched": "level" in bind, "damped": "c" in bind, "error": error, "followed": "k_d" in bind}
+    _contact(draft, at, bodies, {"kind": kind, "law": law, **options}, bind)
     if at.mesh.friction is not None and effects["mesh_friction"] != "off":
         # Friction needs the place of the contact, even where nothing moves sideways.
         add_friction(
@@ -106,30 +107,30 @@ def _eccentric(draft: Draft, member: str, item: Eccentricity) -> str:
         kin = gear.ratio.removesuffix(".speed_ratio") if gear.ratio else member
         draft.turn(kin, gear.ratio, draft.frames[gear.frame])
         draft.bodies.append(
-            Body(name, False, "point", None, None, gear.ratio, place, gear.frame, leader, gear.name)
+            Body(name, (), "point", None, None, gear.ratio, place, gear.frame, leader, gear.name)
         )  # fmt: skip
     return name
 
 
 def _contact(
-    draft: Draft, at: MeshPlace, bodies: tuple[str, ...], form: tuple[str | bool, ...],
-    extra: tuple[bool, bool], bind: dict[str, str],
-) -> None:  # fmt: skip
+    draft: Draft, at: MeshPlace, bodies: tuple[str, ...], options: Mapping[str, Option], bind: dict[str, str]
+) -> None:
     """Place a mesh: bilateral, on one flank, or on both flanks with a gap before the one not loaded."""
     contact = draft.scene.effects["contact"]
     if contact == "bilateral":
-        draft.place(at.label, ("mesh", *form, "bilateral", *extra), bodies, at.name, **bind)
+        draft.place(at.label, ElementKey.of("mesh", contact="bilateral", **options), bodies, at.name, **bind)
         return
     pull = draft.number(PULL, 0.0, "", HOMOTOPY)
     hold = draft.hold(at.label, "N")
-    draft.place(at.label, ("mesh", *form, "one-flank", *extra), bodies, at.name, pull=pull, hold=hold, **bind)
+    element = ElementKey.of("mesh", contact="one-flank", **options)
+    draft.place(at.label, element, bodies, at.name, pull=pull, hold=hold, **bind)
     if contact == "backlash":
         back = {
             "s": draft.number(f"{at.name}.other_flank", -draft.parameters[f"{at.name}.flank"].value, "", COUNT),
             "gap": draft.number(f"{at.name}.backlash", gear_geometry.backlash(at.stage, at.mesh, *at.wheels), "m"),
             "hold": draft.hold(at.label + BACK, "N"),
         }
-        draft.place(at.label + BACK, ("mesh", *form, "gap", *extra), bodies, at.name, **bind | back)
+        draft.place(at.label + BACK, ElementKey.of("mesh", contact="gap", **options), bodies, at.name, **bind | back)
 
 
 def _mesh_damping(

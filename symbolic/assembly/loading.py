@@ -1,5 +1,6 @@
 """Loads and drives of the model: reference speed, torques, tables over time, slip law."""
 
+from ..elements.key import ElementKey
 from ..gears import train
 from ..schema.scene_schema import Load
 from .draft import Draft
@@ -27,10 +28,10 @@ def add_load(draft: Draft, name: str, load: Load) -> None:
             "omega_b": draft.number(f"{key}.breakdown_slip_speed", train.breakdown_speed(slip), "rad/s"),
             "T_b": draft.number(f"{key}.breakdown_torque", slip.breakdown_torque, "N*m"),
         }
-        draft.place(key, ("slip_torque",), (load.member,), key, **bind)
+        draft.place(key, ElementKey("slip_torque"), (load.member,), key, **bind)
     elif load.torque_over_time is not None:
         torque = draft.signal(f"{key}.torque", "N*m", f"{key}.torque_over_time", load.torque_over_time)
-        draft.place(key, ("external_torque",), (load.member,), key, T=torque)
+        draft.place(key, ElementKey("external_torque"), (load.member,), key, T=torque)
     elif load.torque is not None:
         torque = draft.number(f"{key}.torque", load.torque, "N*m")
-        draft.place(key, ("external_torque",), (load.member,), key, T=torque)
+        draft.place(key, ElementKey("external_torque"), (load.member,), key, T=torque)

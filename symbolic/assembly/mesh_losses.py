@@ -2,6 +2,7 @@
 
 from ltcgear.generated.contract import BACK, GEOMETRY
 
+from ..elements.key import ElementKey
 from ..gears import gear_geometry
 from ..mechanics.model import PHASE
 from .draft import Draft, MeshPlace
@@ -32,11 +33,11 @@ def add_friction(draft: Draft, at: MeshPlace, bodies: tuple[str, ...], law: str,
         bind["c_t"] = draft.number(f"{at.name}.friction.damping", friction.damping or 0.0, "N*s/m")
     flanks = [i for i in draft.instances if i.group == "mesh" and i.name in (at.label, at.label + BACK)]
     for flank in flanks:
-        _, kind, _, switched, _, contact, error, _ = flank.element
         shared = {key: value for key, value in flank.bind.items() if key not in NOT_OF_FRICTION}
-        form = ("mesh_sliding" if sliding else "mesh_friction", kind, law, switched, contact, error)
+        options = {key: flank.element[key] for key in ("kind", "switched", "contact", "error")}
+        element = ElementKey.of("mesh_sliding" if sliding else "mesh_friction", law=law, **options)
         hold = {"hold": draft.hold(f"{flank.name}.friction", "N")}
-        draft.place(flank.name, form, bodies, **shared | bind | hold)
+        draft.place(flank.name, element, bodies, **shared | bind | hold)
 
 
 def _contacts(draft: Draft, at: MeshPlace) -> dict[str, str]:

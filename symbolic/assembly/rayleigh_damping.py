@@ -1,5 +1,6 @@
 """Rayleigh damping of the model: dampers in proportion to springs, and to masses."""
 
+from ..elements.key import ElementKey
 from ..schema.scene_schema import Rayleigh
 from .draft import Draft
 
@@ -21,4 +22,4 @@ def add_rayleigh(draft: Draft) -> None:
             bind["I"] = body.inertia
         motion = " and ".join(word for key, word in (("m", "shifting"), ("I", "turning")) if key in bind)
         if motion:
-            draft.place(body.name, ("rayleigh", motion), (body.name,), alpha=alpha, **bind)
+            draft.place(body.name, ElementKey.of("rayleigh", motion=motion), (body.name,), alpha=alpha, **bind)

@@ -112,6 +112,6 @@ def mass_centre(draft: Draft, body: Body, mass: float) -> Body:
         for axis, moment in zip("xy", seated(draft.scene, body.name)[2:], strict=True)
     )
     return Body(
-        f"{body.name}.mass_centre", False, "point", None, None, body.ratio, (place[0], place[1]), body.frame,
+        f"{body.name}.mass_centre", (), "point", None, None, body.ratio, (place[0], place[1]), body.frame,
         body.leader or body.name, body.name,
     )  # fmt: skip

@@ -12,24 +12,23 @@ from ..elements.base import Element, real
 from ..elements.bearing import CARRIER, EPS, PLANET, X0, Y0, K, pin_deflection, pin_place, pin_speed
 from ..elements.clearance import Race
 from ..elements.contact import Rest, Switch
+from ..elements.key import ElementKey
 from ..elements.mesh import ERROR, ERROR_RATE, GAP, ONE, TWO, Geometry, S, approach, deflection, geometry, torsional_law
 from ..elements.mesh_friction import sliding_speed
 from ..elements.tooth_pairs import PHASE, SHARE, Wrapped, tooth_pairs
 from ..elements.torsion import OMEGA_B, OMEGA_S
 from .folding import NamedStep
 
-Key = tuple[str | bool, ...]
 
-
-def list_steps(key: Key, element: Element) -> list[NamedStep]:
+def list_steps(key: ElementKey, element: Element) -> list[NamedStep]:
     """Return the named quantities of an element type, each in its raw form, simple ones first.
 
     Parameters
     ----------
     key, element
-        Type and options as in ``Instance.element``, and the element that they make.
+        Element type as in ``Instance.element``, and the element that it makes.
     """
-    writer = _OF.get(str(key[0]))
+    writer = _OF.get(key.type)
     return [] if writer is None else list(writer(key, element))
 
 
@@ -66,9 +65,9 @@ def _directions(pairs: tuple[tuple[str, tuple[sp.Expr, sp.Expr]], ...]) -> Itera
         yield _named(f"{name}_y", y)
 
 
-def _mesh(key: Key, element: Element) -> Iterator[NamedStep]:
+def _mesh(key: ElementKey, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of a mesh."""
-    _, kind, law, _, _, contact, error, _ = key
+    kind, law, contact, error = (key[option] for option in ("kind", "law", "contact", "error"))
     plane = law in ("involute", "paper")
     if plane:
         g = geometry(str(kind))
@@ -94,7 +93,7 @@ def _without(delta: sp.Expr, contact: str | bool, error: str | bool) -> sp.Expr:
 
 def _contact(element: Element) -> Iterator[NamedStep]:
     """Name the border of contact and its sides, where an element has them."""
-    found = {kind: [e for w in element.wrench for e in w.atoms(kind)] for kind in (Switch, Rest)}
+    found = {kind: [e for w in element.loads for e in w.atoms(kind)] for kind in (Switch, Rest)}
     for switch in found[Switch][:1]:
         yield _named("g_b", switch.args[0])
         yield _named("chi", switch)
@@ -102,15 +101,15 @@ def _contact(element: Element) -> Iterator[NamedStep]:
         yield _named("chi_0", rest)
 
 
-def _friction(key: Key, element: Element) -> Iterator[NamedStep]:
+def _friction(key: ElementKey, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of friction at the pitch point."""
     yield from _rubbed(key, element)
     yield _named("F", element.outputs["friction"].expression)
 
 
-def _rubbed(key: Key, element: Element) -> Iterator[NamedStep]:
+def _rubbed(key: ElementKey, element: Element) -> Iterator[NamedStep]:
     """Name what presses and slides at a mesh with friction."""
-    _, kind, law, _, contact, error = key
+    kind, law, contact, error = (key[option] for option in ("kind", "law", "contact", "error"))
     g = geometry(str(kind))
     yield from _triangle(g)
     yield _named("w", g.w)
@@ -120,7 +119,7 @@ def _rubbed(key: Key, element: Element) -> Iterator[NamedStep]:
     yield _named("v_t", sliding_speed(str(kind)))
 
 
-def _sliding(key: Key, element: Element) -> Iterator[NamedStep]:
+def _sliding(key: ElementKey, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of sliding friction."""
     yield from _rubbed(key, element)
     yield _named("g", Wrapped(PHASE - SHARE / 2))
@@ -128,25 +127,25 @@ def _sliding(key: Key, element: Element) -> Iterator[NamedStep]:
         if letter == "A":
             yield _named("w_A", part)
         yield _named(f"xi_{letter}", place)
-        yield _named(f"v_{letter}", sliding_speed(str(key[1])) - S * place * (TWO.omega - ONE.omega))
+        yield _named(f"v_{letter}", sliding_speed(str(key["kind"])) - S * place * (TWO.omega - ONE.omega))
     yield _named("F", element.outputs["friction"].expression)
 
 
-def _pin(key: Key, element: Element) -> Iterator[NamedStep]:
+def _pin(key: ElementKey, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of a planet bearing, clearance included."""
     yield from _directions((("a", pin_place()), ("u", pin_deflection())))
     yield _named("Delta_x", PLANET.x - CARRIER.x)
     yield _named("Delta_y", PLANET.y - CARRIER.y)
     yield from _directions((("w", pin_speed()),))
-    if "clearance" in str(key[0]):
+    if "clearance" in key.type:
         yield from _race(Race(*pin_deflection()))
 
 
-def _rubbing_pin(key: Key, element: Element) -> Iterator[NamedStep]:
+def _rubbing_pin(key: ElementKey, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of a planet bearing's friction."""
     yield from _pin(key, element)
     ux, uy = pin_deflection()
-    k = Race(ux, uy).secant if "clearance" in str(key[0]) else K
+    k = Race(ux, uy).secant if "clearance" in key.type else K
     yield _named("F_n", sp.sqrt((k * ux) ** 2 + (k * uy) ** 2 + EPS**2))
     yield _named("omega_r", PLANET.omega - CARRIER.omega)
 
@@ -158,7 +157,7 @@ def _race(race: Race) -> Iterator[NamedStep]:
     yield _named("chi", race.touching)
 
 
-def _ground_clearance(key: Key, element: Element) -> Iterator[NamedStep]:
+def _ground_clearance(key: ElementKey, element: Element) -> Iterator[NamedStep]:
     """Name the quantities of a housing bearing with clearance."""
     body = element.ports[0]
     ux, uy = body.x - X0, body.y - Y0
@@ -166,12 +165,12 @@ def _ground_clearance(key: Key, element: Element) -> Iterator[NamedStep]:
     yield from _race(Race(ux, uy))
 
 
-def _slip(key: Key, element: Element) -> Iterator[NamedStep]:
+def _slip(key: ElementKey, element: Element) -> Iterator[NamedStep]:
     """Name the slip."""
     yield _named("z", (element.ports[0].omega - OMEGA_S) / OMEGA_B)
 
 
-_OF: dict[str, Callable[[Key, Element], Iterator[NamedStep]]] = {
+_OF: dict[str, Callable[[ElementKey, Element], Iterator[NamedStep]]] = {
     "mesh": _mesh,
     "mesh_friction": _friction,
     "mesh_sliding": _sliding,

@@ -68,7 +68,7 @@ def _sums(chapter: Chapter, model: Model) -> None:
 
 def _described(body: Body) -> tuple[Part, ...]:
     """Say in what a body moves, and which numbers are its inertia."""
-    moves = ["x", "y"] * body.lateral + ["u"] * (body.turning == "free")
+    moves = list(body.freedoms)
     words = f"{body.name} moves in {', '.join(moves)}" if moves else f"{body.name}: {_held(body)}"
     numbers = [name for name in (body.mass, body.inertia) if name is not None]
     return (words + (f"; {' and '.join(numbers)}" if numbers else ""),)

@@ -4,7 +4,8 @@ from collections.abc import Iterable
 
 import sympy as sp
 
-from ..elements.base import COORDINATE_UNITS, RATE_UNITS, real
+from ..elements.axes import Axis
+from ..elements.base import real
 from ..mechanics.frames import FrameMotion
 from ..mechanics.lagrange import kinetic_energy
 from ..mechanics.model import Model
@@ -74,7 +75,11 @@ def _write_law(chapter: Chapter, law: Law, model: Model) -> None:
 
 def _write_wrench(chapter: Chapter, law: Law) -> None:
     """Write force and torque on each port, and where it is short what the energies give."""
-    parts = [(_component(i), hand, law.gradient[i]) for i, hand in enumerate(law.wrench) if hand != 0]
+    parts = [
+        (_component(law.element.ports.index(port) + 1, axis), hand, energy)
+        for (port, axis), hand, energy in zip(law.element.freedoms, law.wrench, law.gradient, strict=True)
+        if hand != 0
+    ]
     if all(energy is None or energy == hand for _, hand, energy in parts):
         for (port, tex), hand, _ in parts:
             chapter.equate(break_sum(tex, hand, law.letters), f"on body {port}")
@@ -89,10 +94,9 @@ def _write_wrench(chapter: Chapter, law: Law) -> None:
     chapter.tabulate(("on", "", "written by hand", "from the energies"), rows, "Force and torque")
 
 
-def _component(place: int) -> tuple[int, str]:
+def _component(port: int, axis: Axis) -> tuple[int, str]:
     """Return port and letter of a component of a wrench."""
-    port = place // 3 + 1
-    return port, (f"F_{{x{port}}}", f"F_{{y{port}}}", f"T_{{{port}}}")[place % 3]
+    return port, f"T_{{{port}}}" if axis.rotation else f"F_{{{axis.name}{port}}}"
 
 
 def write_unit(unit: str) -> str:
@@ -102,9 +106,9 @@ def write_unit(unit: str) -> str:
 
 def _letters(law: Law) -> Iterable[tuple[Maths, str, str]]:
     """List the letters of a law with meaning and unit."""
-    ports = len(law.element.ports)
-    units = dict(zip(law.element.coordinates, COORDINATE_UNITS * ports, strict=True))
-    units |= dict(zip(law.element.velocities, RATE_UNITS * ports, strict=True)) | dict(law.element.parameters)
+    units = dict(law.element.parameters)
+    for port, axis in law.element.freedoms:
+        units |= {port.coordinate(axis): axis.unit, port.rate(axis): axis.rate_unit}
     named = {step.symbol for step in law.steps}
     for symbol in law.symbols:
         if symbol not in named:

@@ -7,13 +7,14 @@ from functools import cache
 import sympy as sp
 
 from ..checks.check import title
-from ..elements import Element, make
+from ..elements.base import Element
+from ..elements.element_types import make
+from ..elements.key import ElementKey
 from ..mechanics.lagrange import forces
 from .abbreviations import list_steps
 from .folding import Folded, NamedStep, fold
 from .letters import ABSOLUTE, LETTERS, PECULIAR, Letter
 
-Key = tuple[str | bool, ...]
 SHORT = 24
 """Operations up to which a derivative of the energies is printed beside the wrench."""
 
@@ -25,14 +26,14 @@ class Law:
     Attributes
     ----------
     key, title, element
-        Type and options, plain name, and the element itself.
+        Element type, its plain name, and the element itself.
     folded
         Named quantities, and in their terms V, D, the wrench and the outputs, in this order.
     gradient
         -dV/dq - dD/dv as differentiated, one for each component of the wrench; None where it is too long to read.
     """
 
-    key: Key
+    key: ElementKey
     title: str
     element: Element
     folded: Folded
@@ -56,17 +57,17 @@ class Law:
     @property
     def wrench(self) -> tuple[sp.Expr, ...]:
         """Return force and torque on each port, flat."""
-        return self.folded.expressions[2 : 2 + len(self.element.wrench)]
+        return self.folded.expressions[2 : 2 + len(self.element.loads)]
 
     @property
     def outputs(self) -> dict[str, sp.Expr]:
         """Return what the element reports."""
-        return dict(zip(self.element.outputs, self.folded.expressions[2 + len(self.element.wrench) :], strict=True))
+        return dict(zip(self.element.outputs, self.folded.expressions[2 + len(self.element.loads) :], strict=True))
 
     @property
     def letters(self) -> Mapping[str, Letter]:
         """Return the table of letters of this law."""
-        own = {name: letter for (group, name), letter in PECULIAR.items() if group == self.key[0]}
+        own = {name: letter for (group, name), letter in PECULIAR.items() if group == self.key.type}
         return {**LETTERS, **(ABSOLUTE if self.element.rates == "absolute" else {}), **own}
 
     @property
@@ -78,19 +79,19 @@ class Law:
 
 
 @cache
-def write_law(key: Key) -> Law:
+def write_law(key: ElementKey) -> Law:
     """Bring an element type into the form in which it is printed.
 
     Parameters
     ----------
     key
-        Type and options, as in ``Instance.element``.
+        The element type, as in ``Instance.element``.
     """
     element = make(key)
     steps = list_steps(key, element)
     reports = [output.expression for output in element.outputs.values()]
-    folded = fold([element.potential, element.dissipation, *element.wrench, *reports], steps)
-    gradient = _gradient(element, steps, folded) if element.gradient else (None,) * len(element.wrench)
+    folded = fold([element.potential, element.dissipation, *element.loads, *reports], steps)
+    gradient = _gradient(element, steps, folded) if element.gradient else (None,) * len(element.loads)
     return Law(key, title(key), element, folded, gradient)
 
 

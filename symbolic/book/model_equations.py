@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import sympy as sp
 from ltcgear.generated.contract import BACK
 
+from ..elements.axes import PLANE
 from ..elements.base import real
 from ..mechanics.frames import FrameMotion
 from ..mechanics.model import (
@@ -103,16 +104,19 @@ class _Writing(PrintedMotion):
         for step in law.steps[wait:]:
             self.name(rename[step.symbol].name, step.value.xreplace(rename), owner)
         wrench = [component.xreplace(rename) for component in law.wrench]
-        for port in range(len(instance.bodies)):
-            self.wrenches[number, port + 1] = tuple(wrench[3 * port : 3 * port + 3])
+        loads = dict(zip(law.element.freedoms, wrench, strict=True))
+        for place, port in enumerate(law.element.ports, start=1):
+            self.wrenches[number, place] = tuple(loads.get((port, axis), sp.S.Zero) for axis in PLANE)
 
     def _ports(self, law: Law, instance: Instance) -> dict[sp.Basic, sp.Expr]:
         """Return what the coordinates and rates of an element's ports are."""
-        element = law.element
-        seen = [self.port(self.bodies[name], element.rates) for name in instance.bodies]
-        symbols = [*element.coordinates, *element.velocities]
-        values = [v for six in seen for v in six[:3]] + [v for six in seen for v in six[3:]]
-        return dict(zip(symbols, values, strict=True))
+        found: dict[sp.Basic, sp.Expr] = {}
+        for port, name in zip(law.element.ports, instance.bodies, strict=True):
+            seen = self.port(self.bodies[name], law.element.rates)
+            for axis in port.axes:
+                place = PLANE.index(axis)
+                found |= {port.coordinate(axis): seen[place], port.rate(axis): seen[place + len(PLANE)]}
+        return found
 
     def _bound(self, symbol: sp.Symbol, instance: Instance, number: int) -> sp.Expr:
         """Return what a parameter of an element is."""

@@ -81,7 +81,7 @@ class PrintedMotion:
     @staticmethod
     def axes(body: Body) -> tuple[str, ...]:
         """Return the axes along which a body moves on its own."""
-        return ("x", "y") * body.lateral + ("u",) * (body.turning == "free")
+        return body.freedoms
 
     def coordinate(self, body: Body, axis: str) -> tuple[sp.Expr, sp.Expr]:
         """Return a coordinate of a body and its rate, zero where it has none."""

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ..elements import make
+from ..elements.element_types import make
 from ..mechanics import lagrange
 from ..mechanics.equations import Equations, derive
 from ..mechanics.frames import FrameMotion

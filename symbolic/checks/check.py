@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-from ..elements import Element
+from ..elements.base import Element
+from ..elements.element_types import make
+from ..elements.key import ElementKey
 from ..mechanics.model import Instance, Model
 
-Key = tuple[str | bool, ...]
-Writer = Callable[[Key], Element]
+Writer = Callable[[ElementKey], Element]
 
 
 @dataclass(frozen=True)
@@ -38,46 +40,28 @@ def judged(name: str, value: float, tolerance: float, note: str) -> Check:
     return Check(name, bool(value <= tolerance), float(value), float(tolerance), note)
 
 
-TITLES = {
-    "mesh_friction": "mesh friction",
-    "mesh_sliding": "mesh sliding friction",
-    "pin": "planet bearing",
-    "pin_friction": "planet bearing friction",
-    "ground_bearing": "housing bearing",
-    "pin_clearance": "planet bearing with clearance",
-    "pin_clearance_friction": "friction of the planet bearing with clearance",
-    "ground_clearance": "housing bearing with clearance",
-    "coupling": "shaft coupling",
-    "torsional_support": "torsional support",
-    "drag": "rotor drag",
-    "external_torque": "load torque",
-    "slip_torque": "slip law",
-    "gravity": "weight",
-    "rayleigh": "Rayleigh damping by mass",
+WORDS: dict[str, Callable[[Any], str]] = {
+    "law": lambda law: f"{law} law",
+    "switched": lambda switched: "two-level stiffness" if switched else "one stiffness",
+    "contact": str,
+    "error": lambda error: "errors" * error,
+    "followed": lambda followed: "torque of the stiffness" * followed,
+    "damped": lambda damped: "damped" if damped else "undamped",
 }
+"""Option of an element type -> its words behind the title; other options stand before it."""
 
 
-def title(key: Key) -> str:
+def title(key: ElementKey) -> str:
     """Return the plain name of an element type, options included."""
-    name = TITLES.get(str(key[0]), str(key[0]))
-    words = [str(option) for option in key[1:] if isinstance(option, str)]
-    flags = [option for option in key[1:] if isinstance(option, bool)]
-    extra = []
-    if key[0] in ("mesh", "mesh_friction", "mesh_sliding"):
-        extra = [f"{words.pop(1)} law", "two-level stiffness" if flags.pop(0) else "one stiffness", *words[1:]]
-        words = words[:1]
-    if key[0] == "mesh":
-        flags, told = flags[:1], zip(flags[1:], ("errors", "torque of the stiffness"), strict=False)
-        extra += [word for flag, word in told if flag]
-    if key[0] in ("mesh_friction", "mesh_sliding"):
-        extra, flags = [*extra, *("errors" for flag in flags if flag)], []
-    extra += ["damped" if flag else "undamped" for flag in flags]
-    return " ".join([*words, name]) + (f" ({', '.join(extra)})" if extra else "")
+    options = dict(key.options)
+    before = [str(value) for option, value in key.options if option not in WORDS]
+    behind = [word for option, say in WORDS.items() if option in options and (word := say(options[option]))]
+    return " ".join([*before, make(key).title]) + (f" ({', '.join(behind)})" if behind else "")
 
 
-def element_types(model: Model) -> dict[Key, Instance]:
+def element_types(model: Model) -> dict[ElementKey, Instance]:
     """Return the element types of a model, each with its first instance, in the model's order."""
-    found: dict[Key, Instance] = {}
+    found: dict[ElementKey, Instance] = {}
     for instance in model.instances:
         found.setdefault(instance.element, instance)
     return found

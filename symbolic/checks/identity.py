@@ -16,14 +16,16 @@ import numpy as np
 import sympy as sp
 from ltcgear.generated.contract import BACK
 
-from ..elements import Element, make
-from ..elements.base import Port, positive, real
+from ..elements.axes import SIDEWAYS, THETA, Axis
+from ..elements.base import Element, Port, positive, real
 from ..elements.contact import Rest, Switch
+from ..elements.element_types import make
+from ..elements.key import ElementKey
 from ..elements.mesh import D0, ERROR_RATE, EX, EY, S
 from ..mechanics.lagrange import forces
 from ..mechanics.lower import lower
 from ..mechanics.model import STIFFNESS, Body, Instance, Model
-from .check import Check, Key, Writer, element_types, judged, title
+from .check import Check, Writer, element_types, judged, title
 from .zero import vanishing
 
 
@@ -38,7 +40,7 @@ def relative_places(element: Element) -> dict[sp.Symbol, sp.Symbol]:
     if len(element.ports) < 2:
         return {}
     one, two = element.ports[:2]
-    return {two.x: one.x, two.y: one.y}
+    return {two.coordinate(axis): one.coordinate(axis) for axis in SIDEWAYS}
 
 
 def element_identity(label: str, element: Element) -> Check:
@@ -51,7 +53,7 @@ def element_identity(label: str, element: Element) -> Check:
     element
         The element; its wrench must be a gradient by design (``gradient``).
     """
-    differences = [energy - hand for energy, hand in zip(forces(element), element.wrench, strict=True)]
+    differences = [energy - hand for energy, hand in zip(forces(element), element.loads, strict=True)]
     wrong = vanishing(differences, known_squares(element), relative_places(element)).count(False)
     note = f"-dV/dq - dD/dv minus the wrench, {len(differences)} components, proven zero symbolically"
     return judged(f"{label}: energies give the forces written by hand", wrong, 0.0, note)
@@ -75,7 +77,7 @@ def nominal_identity(label: str, element: Element) -> Check:
     place |= {one.theta: turned, two.theta: turned}
     differences = [
         (energy.xreplace(still) / normal - hand.xreplace(still) / normal).xreplace(place)
-        for energy, hand in zip(forces(element), element.wrench, strict=True)
+        for energy, hand in zip(forces(element), element.loads, strict=True)
     ]
     squares = known_squares(element) | {direction[1]: 1 - direction[0] ** 2}
     wrong = vanishing(differences, squares).count(False)
@@ -104,7 +106,7 @@ def damper_identity(label: str, element: Element) -> Check:
     """Prove that the part of the wrench that comes with motion, while teeth push, is the dissipation's gradient."""
     element = _pushing(element)
     still = dict.fromkeys((*element.velocities, ERROR_RATE), sp.S.Zero)
-    moving = tuple(component - component.xreplace(still) for component in element.wrench)
+    moving = {at: load - load.xreplace(still) for at, load in element.wrench.items()}
     return element_identity(f"{label}, its damper", replace(element, potential=sp.S.Zero, wrench=moving))
 
 
@@ -116,7 +118,8 @@ def _pushing(element: Element) -> Element:
         return switched.replace(Rest, lambda g, hold, z: sp.S.Zero)
 
     outputs = {name: replace(output, expression=on(output.expression)) for name, output in element.outputs.items()}
-    potential, dissipation, wrench = on(element.potential), on(element.dissipation), tuple(map(on, element.wrench))
+    wrench = {at: on(load) for at, load in element.wrench.items()}
+    potential, dissipation = on(element.potential), on(element.dissipation)
     return replace(element, potential=potential, dissipation=dissipation, wrench=wrench, outputs=outputs)
 
 
@@ -142,9 +145,10 @@ def relative_difference(element: Element, values: Mapping[str, float], size: flo
     state[two.y.name] = (values["d_0"] + size) * values["e_y"]
     state[one.theta.name] = values["s"] * size / values["r_1"]
     leaves = {symbol: ca.SX.sym(symbol.name) for symbol in element.arguments}
-    function = ca.Function("both", list(leaves.values()), lower([*forces(element), *element.wrench], leaves))
+    function = ca.Function("both", list(leaves.values()), lower([*forces(element), *element.loads], leaves))
     result = np.array([float(value) for value in function(*(state[s.name] for s in element.arguments))])
-    lengths = np.array([1.0, 1.0, values["r_1"], 1.0, 1.0, values["r_2"]])
+    radii = {one: values["r_1"], two: values["r_2"]}
+    lengths = np.array([radii[port] if axis.rotation else 1.0 for port, axis in element.freedoms])
     energy, hand = (part / lengths for part in np.split(result, 2))
     return float(np.max(np.abs(energy - hand)) / np.max(np.abs(hand)))
 
@@ -174,14 +178,14 @@ def stage_identity(model: Model, stage: str, write: Writer = make) -> Check:
     return judged(f"stage {stage}: Lagrange's and Newton's equations are the same", wrong, 0.0, note)
 
 
-def free_axes(body: Body) -> tuple[int, ...]:
-    """Return the axes (0 x, 1 y, 2 theta) along which a body has an equation of motion."""
-    return (0, 1) * body.lateral + (2,) * (body.turning in ("free", "reference"))
+def free_axes(body: Body) -> tuple[Axis, ...]:
+    """Return the axes on which a body has an equation of motion."""
+    return SIDEWAYS * body.lateral + (THETA,) * (body.turning in ("free", "reference"))
 
 
 def global_port(body: str) -> Port:
     """Return the global coordinates and rates of a body."""
-    return Port(*(real(f"{name}[{body}]") for name in ("x", "y", "theta", "vx", "vy", "omega")))
+    return Port(f"[{body}]")
 
 
 class Placed:
@@ -190,28 +194,30 @@ class Placed:
     def __init__(self, instance: Instance, element: Element, bodies: Iterable[str]) -> None:
         self.element = element
         self.ports = {name: global_port(name) for name in instance.bodies}
-        own = [s for port in element.ports for s in (*port.coordinates, *port.rates)]
-        shared = [s for port in self.ports.values() for s in (*port.coordinates, *port.rates)]
-        rename: dict[sp.Basic, sp.Expr] = dict(zip(own, shared, strict=True))
+        there = dict(zip(element.ports, self.ports.values(), strict=True))
+        rename: dict[sp.Basic, sp.Expr] = {}
+        for port, axis in element.freedoms:
+            rename[port.coordinate(axis)] = there[port].coordinate(axis)
+            rename[port.rate(axis)] = there[port].rate(axis)
         for symbol in element.parameters:
             name = instance.bind[symbol.name]
             name = f"{name}[{instance.name}]" if name.startswith("@") else name
             rename[symbol] = sp.Symbol(name, **symbol.assumptions0)
         self.potential = element.potential.xreplace(rename)
         self.dissipation = element.dissipation.xreplace(rename)
-        self.wrench = [component.xreplace(rename) for component in element.wrench]
+        self.wrench = {(there[port], axis): load.xreplace(rename) for (port, axis), load in element.wrench.items()}
         self.squares = {rename[s]: e.xreplace(rename) for s, e in known_squares(element).items()}
 
-    def force(self, body: str, axis: int) -> sp.Expr:
+    def force(self, body: str, axis: Axis) -> sp.Expr:
         """Return the wrench's component on a body."""
-        return self.wrench[3 * list(self.ports).index(body) + axis]
+        return self.wrench.get((self.ports[body], axis), sp.S.Zero)
 
 
-def balance_vanishes(body: Body, axis: int, placed: Sequence[Placed]) -> bool:
+def balance_vanishes(body: Body, axis: Axis, placed: Sequence[Placed]) -> bool:
     """Prove one equation of motion: Lagrange's left-hand side minus Newton's."""
     port = global_port(body.name)
-    q, v, a = port.coordinates[axis], port.rates[axis], real("acceleration")
-    inertia = positive("I" if axis == 2 else "m")
+    q, v, a = port.coordinate(axis), port.rate(axis), real("acceleration")
+    inertia = positive("I" if axis.rotation else "m")
     kinetic = positive("m") * (port.vx**2 + port.vy**2) / 2 + positive("I") * port.omega**2 / 2
     there = [item for item in placed if body.name in item.ports]
     potential = sp.Add(*(item.potential for item in there))
@@ -235,7 +241,8 @@ def sum_vanishes(total: sp.Expr, body: str, placed: Sequence[Placed], squares: M
         for item in placed
         for name, port in item.ports.items()
         if name != body
-        for symbol in (*port.coordinates, *port.rates)
+        for axis in port.axes
+        for symbol in (port.coordinate(axis), port.rate(axis))
     }
     groups: dict[tuple[str, ...], list[sp.Expr]] = {}
     for term in sp.Add.make_args(total):
@@ -244,7 +251,7 @@ def sum_vanishes(total: sp.Expr, body: str, placed: Sequence[Placed], squares: M
     origin = global_port(body)
     for others, terms in groups.items():
         moved = [global_port(name) for name in others]
-        shifts = {s: o for port in moved for s, o in zip(port.coordinates[:2], origin.coordinates[:2], strict=True)}
+        shifts = {port.coordinate(axis): origin.coordinate(axis) for port in moved for axis in SIDEWAYS}
         if not vanishing([sp.Add(*terms)], squares, shifts)[0]:
             return False
     return True
@@ -263,7 +270,7 @@ def identities(model: Model, write: Writer = make) -> list[Check]:
     return checks + [stage_identity(model, stage, write) for stage in stages]
 
 
-def law_checks(key: Key, element: Element, instance: Instance, model: Model) -> list[Check]:
+def law_checks(key: ElementKey, element: Element, instance: Instance, model: Model) -> list[Check]:
     """Choose the proof of one element type."""
     if element.gradient:
         return [element_identity(title(key), element)]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from ..elements.axes import PLANE
 from ..elements.base import Element
 from ..elements.bearing import ground_bearing, pin, pin_friction
 from ..elements.gravity import gravity
@@ -40,7 +41,8 @@ def compiled(name: str) -> tuple[Element, Callable[..., Any]]:
     """Make an element and the numeric function of its wrench."""
     element = ELEMENTS[name]()
     modules = [{"Switch": lambda g, hold: (g + hold > 0) * 1.0}, "numpy"]
-    return element, sp.lambdify(element.arguments, list(element.wrench), modules, cse=True)
+    loads = [element.wrench.get((port, axis), sp.S.Zero) for port in element.ports for axis in PLANE]
+    return element, sp.lambdify(element.arguments, loads, modules, cse=True)
 
 
 def wrench(name: str, bodies: str, v: Values, parameters: Mapping[str, Any]) -> list[Array]:
@@ -48,8 +50,11 @@ def wrench(name: str, bodies: str, v: Values, parameters: Mapping[str, Any]) -> 
     element, function = compiled(name)
     known: dict[str, Any] = {"hold": 0.0, **parameters}
     for port, b in zip(element.ports, bodies, strict=True):
-        names = [f"{c}_{b}{rate}" for rate in ("", "'") for c in COMPONENTS]
-        known |= {s.name: v[n] for s, n in zip((*port.coordinates, *port.rates), names, strict=True)}
+        for axis in port.axes:
+            known |= {
+                port.coordinate(axis).name: v[f"{axis.name}_{b}"],
+                port.rate(axis).name: v[f"{axis.name}_{b}'"],
+            }
     forces = function(*(known[symbol.name] for symbol in element.arguments))
     return [np.broadcast_to(np.asarray(force, dtype=np.float64), (STATES,)) for force in forces]
 

@@ -13,9 +13,10 @@ import numpy as np
 import sympy as sp
 from numpy.typing import NDArray
 
-from ..elements import Element, make
-from ..elements.base import COORDINATE_UNITS, RATE_UNITS
+from ..elements.axes import PLANE, X, Y
+from ..elements.base import Element
 from ..elements.contact import Given
+from ..elements.element_types import make
 from ..mechanics.lower import lower
 from ..mechanics.model import ERROR_RATE, TURN, Instance, Model
 from ..schema.units import dimension
@@ -58,13 +59,15 @@ class ElementBench:
         """Draw coordinates, rates and parameters: one row an argument, one column a state."""
         rng = np.random.default_rng(20210611)
         numbers = model.values()
-        nominal = [(*model.nominal_place(name), 0.0) for name in instance.bodies]
+        nominal = [dict(zip((X, Y), model.nominal_place(name), strict=True)) for name in instance.bodies]
         rows = {
-            symbol.name: value + SIZE * rng.uniform(-1.0, 1.0, STATES)
+            port.coordinate(axis).name: place.get(axis, 0.0) + SIZE * rng.uniform(-1.0, 1.0, STATES)
             for port, place in zip(self.element.ports, nominal, strict=True)
-            for symbol, value in zip(port.coordinates, place, strict=True)
+            for axis in PLANE
         }
-        rows |= {symbol.name: RATE * rng.uniform(-1.0, 1.0, STATES) for symbol in self.element.velocities}
+        rows |= {
+            port.rate(axis).name: RATE * rng.uniform(-1.0, 1.0, STATES) for port in self.element.ports for axis in PLANE
+        }
         for symbol in self.element.parameters:
             known = (numbers | GIVEN).get(instance.bind[symbol.name])
             rows[symbol.name] = rng.uniform(0.0, 1.0, STATES) if known is None else np.full(STATES, known)
@@ -85,10 +88,10 @@ class ElementBench:
         for item in given:  # beside where it stands, it follows its slope
             potential = potential.subs(item, item.args[1] + item.args[2] * (item.args[0] - start))
         here = leaves | {start: ca.SX.sym("z_0")}
-        values = lower([*element.wrench, potential, element.dissipation, *reports], here)
+        values = lower([*element.loads, potential, element.dissipation, *reports], here)
         wrench, (potential, dissipation, *rest) = (
-            ca.vertcat(*values[: len(element.wrench)]),
-            values[len(element.wrench) :],
+            ca.vertcat(*values[: len(element.loads)]),
+            values[len(element.loads) :],
         )
         q = ca.vertcat(*(leaves[symbol] for symbol in element.coordinates))
         v = ca.vertcat(*(leaves[symbol] for symbol in element.velocities))
@@ -107,6 +110,12 @@ class ElementBench:
         columns = self.arguments if arguments is None else arguments
         found = [self.function(arguments=column) for column in columns.T]
         return {name: np.hstack([np.asarray(one[name]).reshape(-1, 1) for one in found]) for name in found[0]}
+
+    def on_bodies(self, rows: Array) -> list[Array]:
+        """Return, for each axis of the plane, the rows of all bodies out of those of all freedoms, zeros included."""
+        known = dict(zip(self.element.freedoms, rows, strict=False))
+        nothing = np.zeros(STATES)
+        return [np.array([known.get((port, axis), nothing) for port in self.element.ports]) for axis in PLANE]
 
     @property
     def resting(self) -> Array:
@@ -142,13 +151,10 @@ def conservative_force(bench: ElementBench) -> Check:
 
 def action_and_reaction(bench: ElementBench) -> list[Check]:
     """Check that the bodies of an element push each other equally, and about the same line."""
-    wrench, count = bench.values()["wrench"], len(bench.element.ports)
-    fx, fy, torque = wrench[0::3], wrench[1::3], wrench[2::3]
-    places = bench.arguments[: 3 * count]
-    pole = (
-        np.random.default_rng(1).uniform(-1.0, 1.0, (2, STATES)) * np.abs(np.vstack([places[0::3], places[1::3]])).max()
-    )
-    x, y = places[0::3] - pole[0], places[1::3] - pole[1]
+    fx, fy, torque = bench.on_bodies(bench.values()["wrench"])
+    x, y, _ = bench.on_bodies(bench.arguments)
+    pole = np.random.default_rng(1).uniform(-1.0, 1.0, (2, STATES)) * np.abs(np.vstack([x, y])).max()
+    x, y = x - pole[0], y - pole[1]
     push = np.array([fx.sum(axis=0), fy.sum(axis=0)])
     arms = np.vstack([torque, x * fy - y * fx])
     force = np.max(np.abs(np.vstack([fx, fy])), axis=0, keepdims=True)
@@ -184,7 +190,7 @@ def scale_of(unit: str) -> float:
 def result_units(element: Element) -> dict[str, Sequence[str]]:
     """Return the units of an element's results."""
     return {
-        "wrench": ("N", "N", "N*m") * len(element.ports),
+        "wrench": tuple(axis.load_unit for _, axis in element.freedoms),
         "potential": ("J",),
         "dissipation": ("W",),
         "outputs": tuple(output.unit for output in element.outputs.values()),
@@ -193,8 +199,8 @@ def result_units(element: Element) -> dict[str, Sequence[str]]:
 
 def homogeneous(bench: ElementBench) -> Check:
     """Check that every formula keeps its units."""
-    element, ports = bench.element, len(bench.element.ports)
-    units = [*COORDINATE_UNITS * ports, *RATE_UNITS * ports, *element.parameters.values()]
+    element, axes = bench.element, [axis for _, axis in bench.element.freedoms]
+    units = [*(axis.unit for axis in axes), *(axis.rate_unit for axis in axes), *element.parameters.values()]
     scales = np.array([[scale_of(unit)] for unit in units])
     plain, scaled = bench.values(), bench.values(bench.arguments * scales)
     worst = 0.0

@@ -25,7 +25,7 @@ def explain_freedoms(scene: Scene, model: Model) -> list[Row]:
     """
     rows = [*_reference(scene, model)]
     for body in model.bodies:
-        axes = ["x", "y"] * body.lateral + ["u"] * (body.turning == "free")
+        axes = list(body.freedoms)
         reasons = [*_shifts(scene, body), *_turns(model, body)]
         if axes:
             rows.append({"body": body.name, "axes": axes, "reason": "; ".join(reasons)})

@@ -1,49 +1,99 @@
 """Element: coordinates, a potential, a dissipation function and a hand-written wrench."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import sympy as sp
 
+from .axes import PLANE, THETA, Axis, X, Y
+
 
 @dataclass(frozen=True)
 class Port:
-    """The motion of one body as an element sees it: position [m], angle [rad] and their rates."""
+    """The motion of one body as an element sees it: coordinates and their rates, by axis.
 
-    x: sp.Symbol
-    y: sp.Symbol
-    theta: sp.Symbol
-    vx: sp.Symbol
-    vy: sp.Symbol
-    omega: sp.Symbol
+    Attributes
+    ----------
+    tag
+        End of the names of its symbols, such as ``_1``.
+    axes
+        The axes that the element knows.
+    """
+
+    tag: str
+    axes: tuple[Axis, ...] = PLANE
 
     @classmethod
-    def numbered(cls, number: int) -> "Port":
+    def numbered(cls, number: int, axes: tuple[Axis, ...] = PLANE) -> "Port":
         """Make the port of the ``number``-th body, its symbols carrying that number."""
-        names = ("x", "y", "theta", "vx", "vy", "omega")
-        return cls(*(sp.Symbol(f"{name}_{number}", real=True) for name in names))
+        return cls(f"_{number}", axes)
 
     @property
-    def coordinates(self) -> tuple[sp.Symbol, ...]:
-        """Return x, y, theta."""
-        return (self.x, self.y, self.theta)
+    def x(self) -> sp.Symbol:
+        """Return the place along x [m]."""
+        return self.coordinate(X)
 
     @property
-    def rates(self) -> tuple[sp.Symbol, ...]:
-        """Return the rates of x, y, theta."""
-        return (self.vx, self.vy, self.omega)
+    def y(self) -> sp.Symbol:
+        """Return the place along y [m]."""
+        return self.coordinate(Y)
+
+    @property
+    def theta(self) -> sp.Symbol:
+        """Return the angle [rad]."""
+        return self.coordinate(THETA)
+
+    @property
+    def vx(self) -> sp.Symbol:
+        """Return the rate of x [m/s]."""
+        return self.rate(X)
+
+    @property
+    def vy(self) -> sp.Symbol:
+        """Return the rate of y [m/s]."""
+        return self.rate(Y)
+
+    @property
+    def omega(self) -> sp.Symbol:
+        """Return the rate of the angle [rad/s]."""
+        return self.rate(THETA)
+
+    def coordinate(self, axis: Axis) -> sp.Symbol:
+        """Return the coordinate of an axis."""
+        return real(axis.name + self.tag)
+
+    def rate(self, axis: Axis) -> sp.Symbol:
+        """Return the rate of the coordinate of an axis."""
+        return real(axis.rate + self.tag)
 
 
-COORDINATE_UNITS = ("m", "m", "rad")
-RATE_UNITS = ("m/s", "m/s", "rad/s")
+Wrench = Mapping[tuple[Port, Axis], sp.Expr]
+"""Force or torque on a port along or about an axis [N, N m]; what is not listed is zero."""
+
+
+def load_on(port: Port, fx: sp.Expr, fy: sp.Expr, torque: sp.Expr = sp.S.Zero) -> dict[tuple[Port, Axis], sp.Expr]:
+    """Return the wrench of a force [N] and a torque [N m] in the plane."""
+    return {(port, X): fx, (port, Y): fy, (port, THETA): torque}
 
 
 @dataclass(frozen=True)
 class Output:
-    """A quantity that an element reports: expression and unit."""
+    """A quantity that an element reports.
+
+    Attributes
+    ----------
+    expression, unit
+        What it is.
+    quantity
+        Name under which runs tell it; empty where only the model itself needs it.
+    axis
+        The axis of which it is a component, if any.
+    """
 
     expression: sp.Expr
     unit: str
+    quantity: str = ""
+    axis: Axis | None = None
 
 
 @dataclass(frozen=True)
@@ -65,6 +115,11 @@ class Element:
     ----------
     name
         Type name, unique for a structure (not for an instance).
+    title
+        Plain name in the field, options left out.
+    joins
+        Kind of connection that it belongs to (``mesh``, ``pin``, ``bearing``, ...), which is the dimension of its
+        outputs; empty where it is none.
     ports
         The bodies it joins.
     parameters
@@ -72,7 +127,7 @@ class Element:
     potential, dissipation
         V [J] and D [W]; a Coulomb part of D is a pseudo-potential whose gradient is the force.
     wrench
-        (F_x, F_y, T) on each port, flat, in the order of the ports [N, N, N m].
+        (port, axis) -> force or torque on it [N, N m].
     outputs
         What a user may want to see of it.
     source
@@ -86,9 +141,11 @@ class Element:
     """
 
     name: str
+    title: str
+    joins: str
     ports: tuple[Port, ...]
     parameters: Mapping[sp.Symbol, str]
-    wrench: tuple[sp.Expr, ...]
+    wrench: Wrench
     source: str
     potential: sp.Expr = sp.S.Zero
     dissipation: sp.Expr = sp.S.Zero
@@ -99,19 +156,40 @@ class Element:
     closed: bool = True
 
     @property
+    def freedoms(self) -> tuple[tuple[Port, Axis], ...]:
+        """Return the axes of all ports, port by port: the order of coordinates, rates and loads."""
+        return tuple((port, axis) for port in self.ports for axis in port.axes)
+
+    @property
     def coordinates(self) -> tuple[sp.Symbol, ...]:
         """Return the coordinates of all ports, flat."""
-        return tuple(symbol for port in self.ports for symbol in port.coordinates)
+        return tuple(port.coordinate(axis) for port, axis in self.freedoms)
 
     @property
     def velocities(self) -> tuple[sp.Symbol, ...]:
         """Return the rates of all ports, flat."""
-        return tuple(symbol for port in self.ports for symbol in port.rates)
+        return tuple(port.rate(axis) for port, axis in self.freedoms)
+
+    @property
+    def loads(self) -> tuple[sp.Expr, ...]:
+        """Return the wrench on all ports, flat, zeros included."""
+        return tuple(self.wrench.get(freedom, sp.S.Zero) for freedom in self.freedoms)
 
     @property
     def arguments(self) -> tuple[sp.Symbol, ...]:
         """Return coordinates, rates and parameters: the signature of every function of the element."""
         return (*self.coordinates, *self.velocities, *self.parameters)
+
+
+Law = Callable[..., Element]
+TYPES: dict[str, Law] = {}
+"""Name of an element type -> the function that writes it, given its options."""
+
+
+def element_type(law: Law) -> Law:
+    """Enter a function that writes an element into the list of element types, under its own name."""
+    TYPES[law.__name__] = law
+    return law
 
 
 class LogCosh(sp.Function):  # type: ignore[misc]  # SymPy is untyped

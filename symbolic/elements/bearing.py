@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 import sympy as sp
 
-from .base import Element, LogCosh, Output, Port, positive, real
+from .axes import THETA, X, Y
+from .base import Element, LogCosh, Output, Port, element_type, load_on, positive, real
 
 CARRIER, PLANET = Port.numbered(1), Port.numbered(2)
 K, C = positive("k"), positive("c")
@@ -30,6 +31,7 @@ def pin_speed() -> tuple[sp.Expr, sp.Expr]:
     return PLANET.vx - CARRIER.vx + CARRIER.omega * ry, PLANET.vy - CARRIER.vy - CARRIER.omega * rx
 
 
+@element_type
 def pin(damped: bool) -> Element:
     """Write the planet bearing, eqs 29-30; its damper sees the motion against the turning carrier."""
     ux, uy = pin_deflection()
@@ -41,40 +43,45 @@ def pin(damped: bool) -> Element:
     torque = ax * K * uy - ay * K * ux + c * (rx * vy - ry * vx)
     return Element(
         name="pin" + "_damped" * damped,
+        title="planet bearing",
+        joins="pin",
         ports=(CARRIER, PLANET),
         parameters={K: "N/m"} | ({C: "N*s/m"} if damped else {}) | {X0: "m", Y0: "m"},
         potential=K * (ux**2 + uy**2) / 2,
         dissipation=c * (vx**2 + vy**2) / 2,
-        wrench=(fx, fy, torque, -fx, -fy, sp.S.Zero),
-        outputs={"force_x": Output(-fx, "N"), "force_y": Output(-fy, "N")},
+        wrench=load_on(CARRIER, fx, fy, torque) | load_on(PLANET, -fx, -fy),
+        outputs={"force_x": Output(-fx, "N", "pin_force_x", X), "force_y": Output(-fy, "N", "pin_force_y", Y)},
         source="Wu et al. 2021 eqs 29-30",
     )
 
 
+@element_type
 def pin_friction() -> Element:
     """Write the friction torque of the planet bearing, eq 30 with the speed's sign made dissipative."""
-    return rubbing_pin("pin_friction", K, {K: "N/m", X0: "m", Y0: "m"})
+    return rubbing_pin("pin_friction", "planet bearing friction", K, {K: "N/m", X0: "m", Y0: "m"})
 
 
-def rubbing_pin(name: str, k: sp.Expr, parameters: Mapping[sp.Symbol, str]) -> Element:
+def rubbing_pin(name: str, title: str, k: sp.Expr, parameters: Mapping[sp.Symbol, str]) -> Element:
     """Write the friction torque of a planet bearing whose force is k times its displacement."""
     ux, uy = pin_deflection()
     load = sp.sqrt((k * ux) ** 2 + (k * uy) ** 2 + EPS**2)
     speed = PLANET.omega - CARRIER.omega
     torque = -(MU * load * DB / 2 * sp.tanh(speed / OMEGA0) + CR * speed)
-    zero = sp.S.Zero
     return Element(
         name=name,
+        title=title,
+        joins="pin",
         ports=(CARRIER, PLANET),
         parameters={**parameters, MU: "", DB: "m", CR: "N*m*s/rad", OMEGA0: "rad/s", EPS: "N"},
         dissipation=MU * load * DB / 2 * OMEGA0 * LogCosh(speed / OMEGA0) + CR * speed**2 / 2,
-        wrench=(zero, zero, -torque, zero, zero, torque),
-        outputs={"friction_torque": Output(torque, "N*m")},
+        wrench={(CARRIER, THETA): -torque, (PLANET, THETA): torque},
+        outputs={"friction_torque": Output(torque, "N*m", "pin_friction_torque")},
         rates="absolute",
         source="Wu et al. 2021 eq 30, sign made dissipative and the load's root kept off zero by F_0",
     )
 
 
+@element_type
 def ground_bearing(damped: bool) -> Element:
     """Write the isotropic bearing of a member in the housing, the k_B terms of eqs 31-34."""
     body = Port.numbered(1)
@@ -83,12 +90,14 @@ def ground_bearing(damped: bool) -> Element:
     fx, fy = -K * ux - c * body.vx, -K * uy - c * body.vy
     return Element(
         name="ground_bearing" + "_damped" * damped,
+        title="housing bearing",
+        joins="bearing",
         ports=(body,),
         parameters={K: "N/m"} | ({C: "N*s/m"} if damped else {}) | {X0: "m", Y0: "m"},
         potential=K * (ux**2 + uy**2) / 2,
         dissipation=c * (body.vx**2 + body.vy**2) / 2,
-        wrench=(fx, fy, sp.S.Zero),
-        outputs={"force_x": Output(fx, "N"), "force_y": Output(fy, "N")},
+        wrench=load_on(body, fx, fy),
+        outputs={"force_x": Output(fx, "N", "bearing_force_x", X), "force_y": Output(fy, "N", "bearing_force_y", Y)},
         rates="absolute",
         source="Wu et al. 2021 eqs 31-34; its damper: assumed form",
     )

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from .base import Element, Output, Port, positive, real
+from .axes import X, Y
+from .base import Element, Output, Port, element_type, load_on, positive, real
 from .bearing import CARRIER, PLANET, X0, Y0, C, K, pin_deflection, pin_place, pin_speed, rubbing_pin
 from .contact import HOLD, Switch
 
@@ -63,6 +64,7 @@ def parameters(damped: bool) -> dict[sp.Symbol, str]:
     return own | {X0: "m", Y0: "m", CLEARANCE: "m", CLOSING: "", ROUNDING: "m", HOLD: "m"}
 
 
+@element_type
 def ground_clearance(damped: bool) -> Element:
     """Write the bearing of a member in the housing, with clearance."""
     body = Port.numbered(1)
@@ -71,17 +73,24 @@ def ground_clearance(damped: bool) -> Element:
     fx, fy = -k * race.ux - c * body.vx, -k * race.uy - c * body.vy
     return Element(
         name="ground_clearance" + "_damped" * damped,
+        title="housing bearing with clearance",
+        joins="bearing",
         ports=(body,),
         parameters=parameters(damped),
         potential=race.potential,
         dissipation=c * (body.vx**2 + body.vy**2) / 2,
-        wrench=(fx, fy, sp.S.Zero),
-        outputs={"force_x": Output(fx, "N"), "force_y": Output(fy, "N"), "border": Output(race.reach, "m")},
+        wrench=load_on(body, fx, fy),
+        outputs={
+            "force_x": Output(fx, "N", "bearing_force_x", X),
+            "force_y": Output(fy, "N", "bearing_force_y", Y),
+            "border": Output(race.reach, "m"),
+        },
         rates="absolute",
         source="radial clearance with a linear race: Kahraman and Singh 1991, J. Sound Vib. 144:469",
     )
 
 
+@element_type
 def pin_clearance(damped: bool) -> Element:
     """Write the planet bearing with clearance; its damper sees the motion against the turning carrier."""
     race = Race(*pin_deflection())
@@ -93,16 +102,24 @@ def pin_clearance(damped: bool) -> Element:
     torque = ax * k * race.uy - ay * k * race.ux + c * (rx * vy - ry * vx)
     return Element(
         name="pin_clearance" + "_damped" * damped,
+        title="planet bearing with clearance",
+        joins="pin",
         ports=(CARRIER, PLANET),
         parameters=parameters(damped),
         potential=race.potential,
         dissipation=c * (vx**2 + vy**2) / 2,
-        wrench=(fx, fy, torque, -fx, -fy, sp.S.Zero),
-        outputs={"force_x": Output(-fx, "N"), "force_y": Output(-fy, "N"), "border": Output(race.reach, "m")},
+        wrench=load_on(CARRIER, fx, fy, torque) | load_on(PLANET, -fx, -fy),
+        outputs={
+            "force_x": Output(-fx, "N", "pin_force_x", X),
+            "force_y": Output(-fy, "N", "pin_force_y", Y),
+            "border": Output(race.reach, "m"),
+        },
         source="Wu et al. 2021 eqs 29-30 with radial clearance",
     )
 
 
+@element_type
 def pin_clearance_friction() -> Element:
     """Write the friction torque of the planet bearing with clearance, by the load that it carries."""
-    return rubbing_pin("pin_clearance_friction", Race(*pin_deflection()).secant, parameters(False))
+    title = "friction of the planet bearing with clearance"
+    return rubbing_pin("pin_clearance_friction", title, Race(*pin_deflection()).secant, parameters(False))

@@ -28,7 +28,8 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from .base import Element, Output, Port, positive, real
+from .axes import THETA
+from .base import Element, Output, Port, Wrench, element_type, load_on, positive, real
 from .contact import HOLD, Given, Lesser, Rest, Step, Switch
 
 SIGN = {"external": 1, "internal": -1}
@@ -131,9 +132,9 @@ class MeshLaw:
     ports: tuple[Port, ...]
     deflection: sp.Expr
     rate: sp.Expr
-    pressed: tuple[sp.Expr, ...]
+    pressed: Wrench
     rolling: sp.Expr
-    rolled: tuple[sp.Expr, ...]
+    rolled: Wrench
     outputs: dict[str, Output]
 
 
@@ -141,10 +142,10 @@ def plane_law(kind: str, law: str) -> MeshLaw:
     """Write the law of a mesh whose gears move in the plane."""
     g = geometry(kind)
     nx, ny = g.normal
-    pressed = (-nx, -ny, -S * R1, nx, ny, -g.sigma * S * R2)
-    across = g.dy / g.d**2, -g.dx / g.d**2
-    rolled = (*across, -sp.S.One, -across[0], -across[1], sp.S.Zero)
-    seen = {"pressure_angle": Output(g.alpha, "rad")}
+    pressed = load_on(ONE, -nx, -ny, -S * R1) | load_on(TWO, nx, ny, -g.sigma * S * R2)
+    ax, ay = g.dy / g.d**2, -g.dx / g.d**2
+    rolled = load_on(ONE, ax, ay, -sp.S.One) | load_on(TWO, -ax, -ay)
+    seen = {"pressure_angle": Output(g.alpha, "rad", "pressure_angle")}
     return MeshLaw((ONE, TWO), deflection(kind, law), approach(kind), pressed, ONE.theta - g.turned, rolled, seen)
 
 
@@ -155,7 +156,7 @@ def torsional_law(kind: str, orbiting: bool) -> MeshLaw:
     body 3, the carrier, where body 2 is a planet (``orbiting``), else it stands.
     """
     sigma, zero = SIGN[kind], sp.S.Zero
-    ports = (ONE, TWO, THREE) if orbiting else (ONE, TWO)
+    ports = tuple(Port.numbered(number, (THETA,)) for number in ((1, 2, 3) if orbiting else (1, 2)))
     turn, speed = (THREE.theta, THREE.omega) if orbiting else (zero, zero)
     delta, rate = (
         S * (R1 * (one - line) + sigma * R2 * (two - line))
@@ -163,12 +164,13 @@ def torsional_law(kind: str, orbiting: bool) -> MeshLaw:
     )
     torques = (-S * R1, -sigma * S * R2, S * (R1 + sigma * R2))
     pressed, rolled = (
-        tuple(value for torque in each[: len(ports)] for value in (zero, zero, torque))
+        {(port, THETA): torque for port, torque in zip(ports, each, strict=False)}
         for each in (torques, (-sp.S.One, zero, sp.S.One))
     )
     return MeshLaw(ports, delta, rate, pressed, ONE.theta - turn, rolled, {})
 
 
+@element_type
 def mesh(
     kind: str, law: str, switched: bool, damped: bool, contact: str = "bilateral", error: bool = False,
     followed: bool = False,
@@ -201,29 +203,38 @@ def mesh(
     k = Given(TEETH * written.rolling / (2 * sp.pi), K, SLOPE) if followed else stiffness(switched)
     acting = normal_force(delta, rate, k, damped, contact)
     turn = acting.stored * SLOPE * TEETH / (2 * sp.pi) if followed else sp.S.Zero
-    wrench = tuple(acting.force * one + turn * two for one, two in zip(written.pressed, written.rolled, strict=True))
+    wrench = {at: acting.force * pressed + turn * written.rolled[at] for at, pressed in written.pressed.items()}
     suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
     suffix += "_error" * error + "_followed" * followed
     return Element(
         name=f"mesh_{kind}_{law}" + "_switched" * switched + "_damped" * damped + suffix,
+        title="mesh",
+        joins="mesh",
         ports=written.ports,
-        parameters=used(*wrench),
+        parameters=used(*wrench.values()),
         potential=k * acting.stored,
         dissipation=acting.loss,
         wrench=wrench,
         outputs={
-            "force": Output(acting.force, "N"),
+            "force": Output(acting.force, "N", "mesh_force"),
             "damper": Output(acting.damper, "N"),
-            "deflection": Output(delta, "m"),
+            "deflection": Output(delta, "m", "mesh_deflection"),
         }
         | written.outputs
         | {"rolling": Output(written.rolling, "rad")}
-        | ({} if acting.border is None else {"contact": Output(Step(delta), ""), "border": Output(acting.border, "N")}),
+        | border_outputs(delta, acting.border),
         source="Wu et al. 2021 eqs 2-13 and 16-26; damper along the line of action: assumed form; torque of a "
         "stiffness that follows the gear: Oh, Grosh and Barber 2005, J. Vib. Acoust. 127:208",
         gradient=law != "paper",
         closed=law != "torsional",
     )
+
+
+def border_outputs(delta: sp.Expr, border: sp.Expr | None) -> dict[str, Output]:
+    """Return what a mesh whose teeth can part reports of its contact."""
+    if border is None:
+        return {}
+    return {"contact": Output(Step(delta), "", "mesh_contact"), "border": Output(border, "N")}
 
 
 @dataclass(frozen=True)

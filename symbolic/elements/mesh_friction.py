@@ -14,7 +14,7 @@ nothing where teeth have parted.
 
 import sympy as sp
 
-from .base import Element, LogCosh, Output, positive
+from .base import Element, LogCosh, Output, element_type, load_on, positive
 from .contact import HOLD, Switch
 from .mesh import ERROR, GAP, ONE, R1, R2, TWO, UNITS, S, deflection, geometry, stiffness
 
@@ -42,6 +42,7 @@ def pressed(kind: str, law: str, switched: bool, contact: str, error: bool) -> t
     return normal * touching, touching, normal
 
 
+@element_type
 def mesh_friction(kind: str, law: str, switched: bool, contact: str = "bilateral", error: bool = False) -> Element:
     """Write the pitch-point friction of one mesh type (arguments as in ``mesh``)."""
     g = geometry(kind)
@@ -50,19 +51,18 @@ def mesh_friction(kind: str, law: str, switched: bool, contact: str = "bilateral
     force = -(MU * normal * sp.tanh(speed / V0) + touching * CT * speed)
     mx, my = g.along
     arm = S * (g.h / g.c) * force
-    wrench = (
-        -force * mx, -force * my, g.sigma * R1 * arm,
-        force * mx, force * my, R2 * arm,
-    )  # fmt: skip
-    free = set().union(*(e.free_symbols for e in wrench))
+    wrench = load_on(ONE, -force * mx, -force * my, g.sigma * R1 * arm) | load_on(TWO, force * mx, force * my, R2 * arm)
+    free = set().union(*(e.free_symbols for e in wrench.values()))
     units = UNITS | {MU: "", CT: "N*s/m", V0: "m/s"}
     suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
     return Element(
         name=f"mesh_friction_{kind}_{law}" + "_switched" * switched + suffix + "_error" * error,
+        title="mesh friction",
+        joins="mesh",
         ports=(ONE, TWO),
         parameters={symbol: unit for symbol, unit in units.items() if symbol in free},
         dissipation=MU * normal * V0 * LogCosh(speed / V0) + touching * CT * speed**2 / 2,
         wrench=wrench,
-        outputs={"friction": Output(force, "N"), "border": Output(border, "N")},
+        outputs={"friction": Output(force, "N", "mesh_friction"), "border": Output(border, "N")},
         source="Wu et al. 2021 eqs 14, 27, 32, 34, sign made dissipative",
     )

@@ -16,13 +16,14 @@ contact passes the pitch point. Speeds are those against the ground: it is the r
 
 import sympy as sp
 
-from .base import Element, LogCosh, Output
+from .base import Element, LogCosh, Output, element_type, load_on
 from .mesh import ONE, R1, R2, TWO, UNITS, S, geometry
 from .mesh_friction import MU, V0, pressed, sliding_speed
 from .tooth_pairs import UNITS as PAIR_UNITS
 from .tooth_pairs import tooth_pairs
 
 
+@element_type
 def mesh_sliding(kind: str, law: str, switched: bool, contact: str = "bilateral", error: bool = False) -> Element:
     """Write the sliding friction of one mesh type (arguments as in ``mesh``)."""
     g = geometry(kind)
@@ -36,17 +37,19 @@ def mesh_sliding(kind: str, law: str, switched: bool, contact: str = "bilateral"
         torque_2 += S * friction * (R2 * tangent - place)
         loss += MU * part * normal * V0 * LogCosh(speed / V0)
     mx, my = g.along
-    wrench = (-force * mx, -force * my, torque_1, force * mx, force * my, torque_2)
-    free = set().union(*(e.free_symbols for e in wrench))
+    wrench = load_on(ONE, -force * mx, -force * my, torque_1) | load_on(TWO, force * mx, force * my, torque_2)
+    free = set().union(*(e.free_symbols for e in wrench.values()))
     units = UNITS | {MU: "", V0: "m/s"} | PAIR_UNITS
     suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
     return Element(
         name=f"mesh_sliding_{kind}_{law}" + "_switched" * switched + suffix + "_error" * error,
+        title="mesh sliding friction",
+        joins="mesh",
         ports=(ONE, TWO),
         parameters={symbol: unit for symbol, unit in units.items() if symbol in free},
         dissipation=loss,
         wrench=wrench,
-        outputs={"friction": Output(force, "N"), "border": Output(border, "N")},
+        outputs={"friction": Output(force, "N", "mesh_friction"), "border": Output(border, "N")},
         rates="absolute",
         source="Coulomb's law at the contacts of involute teeth; load sharing: ISO/TR 15144-1 (assumed)",
     )

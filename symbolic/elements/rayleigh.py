@@ -7,22 +7,25 @@ of its own: every spring has a damper :math:`c = \beta k`.
 
 import sympy as sp
 
-from .base import Element, Port, positive
+from .base import Element, Port, element_type, load_on, positive
 
 ALPHA, M, I = (positive(name) for name in ("alpha", "m", "I"))  # noqa: E741  # the moment of inertia's letter
 SHIFTING, TURNING, BOTH = "shifting", "turning", "shifting and turning"
 
 
+@element_type
 def rayleigh(motion: str) -> Element:
     """Write the damping of a body's ``motion``: ``shifting``, ``turning`` or ``shifting and turning``."""
     body, zero = Port.numbered(1), sp.S.Zero
     m, inertia = (M if motion in (SHIFTING, BOTH) else zero), (I if motion in (TURNING, BOTH) else zero)
     return Element(
         name="rayleigh_" + motion.replace(" ", "_"),
+        title="Rayleigh damping by mass",
+        joins="",
         ports=(body,),
         parameters={ALPHA: "1/s"} | ({M: "kg"} if m else {}) | ({I: "kg*m^2"} if inertia else {}),
         dissipation=ALPHA * (m * (body.vx**2 + body.vy**2) + inertia * body.omega**2) / 2,
-        wrench=(-ALPHA * m * body.vx, -ALPHA * m * body.vy, -ALPHA * inertia * body.omega),
+        wrench=load_on(body, -ALPHA * m * body.vx, -ALPHA * m * body.vy, -ALPHA * inertia * body.omega),
         rates="deviation",
         source="Rayleigh 1877, The Theory of Sound, vol. 1",
     )

@@ -2,21 +2,10 @@
 
 from ltcgear.generated.contract import BACK, Connection, RigidBody
 
+from ..elements.element_types import make
 from ..elements.mesh import SIGN
 from ..mechanics.model import Body, Instance, Model
 
-KINDS = {
-    "mesh": "mesh",
-    "pin": "pin",
-    "pin_clearance": "pin",
-    "ground_bearing": "bearing",
-    "ground_clearance": "bearing",
-    "coupling": "coupling",
-    "torsional_support": "support",
-    "external_torque": "load",
-    "slip_torque": "load",
-}
-"""Element type -> kind of connection."""
 SINGLE, DAMPER, LEVELS = ("k", "k_t"), ("c", "c_t"), ("k_1", "k_2")
 """What elements call a stiffness, a damper, and the stiffnesses between which a mesh level chooses."""
 
@@ -49,7 +38,7 @@ def _seat(body: Body) -> str:
 
 def _connection(instance: Instance, seats: dict[str, str], teeth: dict[str, str]) -> Connection:
     """Describe one connection."""
-    kind, bind = KINDS[instance.group], instance.bind
+    kind, bind = make(instance.element).joins, instance.bind
     bodies = tuple(seats[name] for name in instance.bodies[:2])  # an orbiting mesh has its carrier as a third
     springs = [bind[key] for key in (*SINGLE, *LEVELS) if key in bind]
     damper = next((bind[key] for key in DAMPER if key in bind), "")
@@ -60,7 +49,7 @@ def _connection(instance: Instance, seats: dict[str, str], teeth: dict[str, str]
         return Connection(*shared)
     front = instance.name.removesuffix(BACK)
     return Connection(
-        *shared, SIGN[str(instance.element[1])], front != instance.name, bind["s"], (bind["r_1"], bind["r_2"]),
+        *shared, SIGN[str(instance.element["kind"])], front != instance.name, bind["s"], (bind["r_1"], bind["r_2"]),
         teeth.get(front, ""),
     )  # fmt: skip
 

@@ -4,7 +4,7 @@ Element types were derived in SymPy; here each instance is one call of its type'
 grows with the number of gears only as fast as the equations themselves do.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -12,37 +12,13 @@ from typing import Any
 import casadi as ca
 from ltcgear.generated.contract import BACK, VARYING, Report, State
 
-from ..elements import make
+from ..elements.axes import PLANE, Axis
+from ..elements.element_types import make
 from .joints import Joints, rotate
 from .kinematics import Kinematics
 from .lower import body_function, element_function
 from .model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, Body, Instance, Model, Phase
 from .profiles import evaluate
-
-QUANTITIES = {
-    ("mesh", "force"): ("mesh_force", "mesh"),
-    ("mesh", "deflection"): ("mesh_deflection", "mesh"),
-    ("mesh", "contact"): ("mesh_contact", "mesh"),
-    ("mesh", "pressure_angle"): ("pressure_angle", "mesh"),
-    ("mesh_friction", "friction"): ("mesh_friction", "mesh"),
-    ("mesh_sliding", "friction"): ("mesh_friction", "mesh"),
-    ("pin", "force_x"): ("pin_force_x", "pin"),
-    ("pin", "force_y"): ("pin_force_y", "pin"),
-    ("pin_friction", "friction_torque"): ("pin_friction_torque", "pin"),
-    ("ground_bearing", "force_x"): ("bearing_force_x", "bearing"),
-    ("ground_bearing", "force_y"): ("bearing_force_y", "bearing"),
-    ("pin_clearance", "force_x"): ("pin_force_x", "pin"),
-    ("pin_clearance", "force_y"): ("pin_force_y", "pin"),
-    ("pin_clearance_friction", "friction_torque"): ("pin_friction_torque", "pin"),
-    ("ground_clearance", "force_x"): ("bearing_force_x", "bearing"),
-    ("ground_clearance", "force_y"): ("bearing_force_y", "bearing"),
-    ("coupling", "torque"): ("coupling_torque", "coupling"),
-    ("torsional_support", "torque"): ("support_torque", "support"),
-    ("slip_torque", "torque"): ("load_torque", "load"),
-    ("external_torque", "torque"): ("load_torque", "load"),
-}
-PLANAR = ("force_x", "force_y")
-"""Outputs of elements that are components along an axis."""
 
 
 @dataclass(frozen=True)
@@ -117,9 +93,11 @@ class _Assembly(Kinematics):
     def call(self, instance: Instance) -> dict[str, Any]:
         """Evaluate one element instance."""
         element = make(instance.element)
-        ports = [self.port(self.bodies[name], element.rates) for name in instance.bodies]
-        coordinates = [v for position, _ in ports for v in position]
-        velocities = [v for _, rate in ports for v in rate]
+        seen = [self.port(self.bodies[name], element.rates) for name in instance.bodies]
+        coordinates, velocities = (
+            [value for port, motion in zip(element.ports, seen, strict=True) for value in _along(port.axes, motion[i])]
+            for i in (0, 1)
+        )
         names = [symbol.name for symbol in element.arguments]
         function = element_function(instance.element, self.derivation)
 
@@ -214,7 +192,7 @@ class _Assembly(Kinematics):
         forces = {name: ca.SX.zeros(3) for name in self.bodies}
         for instance, result in results:
             for i, name in enumerate(instance.bodies):
-                forces[name] = forces[name] + result["force"][3 * i : 3 * i + 3]
+                forces[name] = forces[name] + self._load(instance, result, i)
         carried = Joints(self).carry(forces)
         self.forces = Joints(self).turned_about_mass(carried)
         reports = list(self._reports(results, self.forces))
@@ -228,6 +206,14 @@ class _Assembly(Kinematics):
             {b.name: self.position(b) for b in self.model.bodies},
             {b.name: self.angle(b) for b in self.model.bodies},
         )  # fmt: skip
+
+    @staticmethod
+    def _load(instance: Instance, result: dict[str, Any], number: int) -> ca.SX:
+        """Return force and torque that an element puts on the port of a number."""
+        element = make(instance.element)
+        loads = dict(zip(element.freedoms, ca.vertsplit(result["force"]), strict=True))
+        load: ca.SX = ca.vertcat(*(loads.get((element.ports[number], axis), ca.SX(0)) for axis in PLANE))
+        return load
 
     def _reference_acceleration(self, forces: dict[str, ca.SX]) -> Any:  # noqa: ANN401
         """Return phi'': zero for a held speed, a signal for one over time, else the reference member's own."""
@@ -283,17 +269,19 @@ class _Assembly(Kinematics):
         """List the outputs: of elements, of mesh phases, of bodies."""
         rolling: dict[str, tuple[Any, bool]] = {}
         for instance, result in results:
-            outputs = make(instance.element).outputs
-            if "force_x" in outputs:
+            element = make(instance.element)
+            if "force_x" in element.outputs:
                 beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
                 result["out_force_x"], result["out_force_y"] = rotate(
                     beta, result["out_force_x"], result["out_force_y"]
                 )
-            for name, output in outputs.items():
-                if (instance.group, name) in QUANTITIES:
-                    quantity, dimension = QUANTITIES[instance.group, name]
-                    axis = name[-1] if name in PLANAR else ""
-                    yield Report(quantity, instance.item, output.unit, dimension, axis), result[f"out_{name}"]
+            for name, output in element.outputs.items():
+                if output.quantity:
+                    axis = output.axis.name if output.axis else ""
+                    yield (
+                        Report(output.quantity, instance.item, output.unit, element.joins, axis),
+                        result[f"out_{name}"],
+                    )
             if "out_rolling" in result:
                 rolling[instance.name] = result["out_rolling"], SLOPE in instance.bind.values()
         for phase in self.model.phases:
@@ -362,7 +350,7 @@ class _Assembly(Kinematics):
         for instance, result in results:
             if make(instance.element).load:
                 _, (_, _, w) = self.port(self.bodies[instance.bodies[0]], "absolute")
-                given += result["force"][2] * w
+                given += self._load(instance, result, 0)[2] * w
             elif instance.group == "gravity":
                 weight += result["potential"]
             else:
@@ -378,7 +366,7 @@ class _Assembly(Kinematics):
         if make(instance.element).rates != "deviation":
             return result["loss"]
         body = self.bodies[instance.bodies[0]]
-        return -ca.dot(result["force"], ca.vertcat(*self.port(body, "absolute")[1]))
+        return -ca.dot(self._load(instance, result, 0), ca.vertcat(*self.port(body, "absolute")[1]))
 
     def _parametric(self, instance: Instance, result: dict[str, Any]) -> tuple[Any, Any]:
         """Return the power [W] put in by stiffness and errors that vary with the nominal phase.
@@ -394,3 +382,8 @@ class _Assembly(Kinematics):
             power -= result["out_force"] * special[ERROR_RATE]
             booked = result["out_damper"] * special[ERROR_RATE]
         return power, booked
+
+
+def _along(axes: Iterable[Axis], values: Sequence[Any]) -> list[Any]:
+    """Return the values of some axes, out of those of all."""
+    return [values[PLANE.index(axis)] for axis in axes]

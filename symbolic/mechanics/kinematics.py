@@ -52,7 +52,7 @@ class Kinematics:
     @staticmethod
     def axes(body: Body) -> tuple[str, ...]:
         """Return the axes along which a body moves on its own."""
-        return ("x", "y") * body.lateral + ("u",) * (body.turning == "free")
+        return body.freedoms
 
     @staticmethod
     def _inertia(body: Body, axis: str) -> str:

@@ -10,12 +10,12 @@ from functools import cache
 
 import sympy as sp
 
-from ..elements import Element
+from ..elements.base import Element
 from .frames import FrameMotion
 
 
 def forces(element: Element) -> tuple[sp.Expr, ...]:
-    """Return -dV/dq - dD/dv of an element, in the order of its wrench."""
+    """Return -dV/dq - dD/dv of an element, in the order of its loads."""
     return tuple(
         -sp.diff(element.potential, q) - sp.diff(element.dissipation, v)
         for q, v in zip(element.coordinates, element.velocities, strict=True)

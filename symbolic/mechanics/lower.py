@@ -8,9 +8,10 @@ from typing import Any
 import casadi as ca
 import sympy as sp
 
-from ..elements import make
 from ..elements.base import LogCosh
 from ..elements.contact import Given, Lesser, Rest, Step, Switch
+from ..elements.element_types import make
+from ..elements.key import ElementKey
 from ..elements.tooth_pairs import Sharing, Wrapped
 from . import lagrange
 
@@ -117,25 +118,25 @@ def _power(base: Any, exponent: sp.Expr, lowered: Any) -> Any:  # noqa: ANN401
 
 
 @cache
-def element_function(element: tuple[str | bool, ...], derivation: str) -> ca.Function:
+def element_function(key: ElementKey, derivation: str) -> ca.Function:
     """Lower one element type.
 
     Parameters
     ----------
-    element
-        Type and options, as in ``Instance.element``.
+    key
+        The element type, as in ``Instance.element``.
     derivation
         ``newton`` (the hand-written wrench) or ``lagrange`` (from the energies).
 
     Returns
     -------
     casadi.Function
-        Named inputs (the element's arguments); outputs ``force``, ``potential``, ``loss`` (power taken by
-        the dissipation, W) and the element's own outputs as ``out_<name>``.
+        Named inputs (the element's arguments); outputs ``force`` (in the order of ``Element.freedoms``),
+        ``potential``, ``loss`` (power taken by the dissipation, W) and the element's own outputs as ``out_<name>``.
     """
-    written = make(element)
+    written = make(key)
     leaves = {symbol: ca.SX.sym(symbol.name) for symbol in written.arguments}
-    force = written.wrench if derivation == "newton" else lagrange.forces(written)
+    force = written.loads if derivation == "newton" else lagrange.forces(written)
     loss = sum(
         (sp.diff(written.dissipation, v) * v for v in written.velocities if written.dissipation.has(v)),
         sp.S.Zero,

@@ -10,6 +10,9 @@ from dataclasses import dataclass, field
 
 from ltcgear.generated.contract import PHYSICAL, Clock, Signal
 
+from ..elements.axes import DEVIATIONS
+from ..elements.key import ElementKey
+
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 UNSHAPED = ("title", "name", "effects", "statics", "tables")
 """Parts of a model that leave its C as it is."""
@@ -36,8 +39,8 @@ class Body:
     ----------
     name
         Dotted name, such as ``lsp.planet.2``.
-    lateral
-        Whether it can move sideways.
+    freedoms
+        Letters of the deviations that are integrated: x, y, u.
     turning
         ``free`` (own deviation from the rigid motion), ``held`` (angle zero), ``driven`` (held speed),
         ``reference`` (its angle is the reference angle), ``led`` (it turns with its leader) or ``point`` (the
@@ -61,7 +64,7 @@ class Body:
     """
 
     name: str
-    lateral: bool
+    freedoms: tuple[str, ...]
     turning: str
     mass: str | None
     inertia: str | None
@@ -72,6 +75,11 @@ class Body:
     seat: str | None = None
     moment: tuple[str, str] | None = None
     part: str = ""
+
+    @property
+    def lateral(self) -> bool:
+        """Tell whether it can move sideways."""
+        return any(not DEVIATIONS[letter].rotation for letter in self.freedoms)
 
 
 @dataclass(frozen=True)
@@ -85,11 +93,15 @@ class Instance:
     """
 
     name: str
-    group: str
-    element: tuple[str | bool, ...]
+    element: ElementKey
     bodies: tuple[str, ...]
     bind: dict[str, str]
     family: str = ""
+
+    @property
+    def group(self) -> str:
+        """Return the name of its law."""
+        return self.element.type
 
     @property
     def item(self) -> str:

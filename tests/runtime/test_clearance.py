@@ -16,6 +16,7 @@ from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.checks.all_checks import check_model
 from ltcgear.symbolic.describe.advice import warnings
+from ltcgear.symbolic.elements.key import ElementKey
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.mechanics.model import BASIS, Body, Instance, Model, Parameter
 from ltcgear.symbolic.scene.load import load_scene, make_scene
@@ -38,10 +39,10 @@ def disc(gravity=G, damping=0.0):
     race = {"k": "k", "x_0": "origin", "y_0": "origin", "clearance": "clearance", "closing": "bearing.closing",
             "epsilon": "bearing.rounding", "hold": "hold.disc"} | ({"c": "c"} if damping else {})  # fmt: skip
     weight = {"m": "disc.mass", "g_x": "gravity.x", "g_y": "gravity.y", "beta": BASIS}
-    parts = [("ground_clearance", bool(damping)), ("gravity",)]
+    parts = [ElementKey.of("ground_clearance", damped=bool(damping)), ElementKey("gravity")]
     model = Model(
-        "disc", "disc", "rest", (Body("disc", True, "held", "disc.mass", None, None, None, ""),), {"": None},
-        tuple(Instance("disc", str(e[0]), e, ("disc",), b) for e, b in zip(parts, (race, weight), strict=True)),
+        "disc", "disc", "rest", (Body("disc", ("x", "y"), "held", "disc.mass", None, None, None, ""),), {"": None},
+        tuple(Instance("disc", e, ("disc",), b) for e, b in zip(parts, (race, weight), strict=True)),
         (), (), (), tuple(Parameter(name, *value) for name, value in numbers.items()), DEFAULTS, {},
     )  # fmt: skip
     return Case(None, model, build(obtain(model)))

@@ -128,7 +128,7 @@ def test_named_quantities_change_nothing(key):
     law = write_law(key)
     element = law.element
     reports = [output.expression for output in element.outputs.values()]
-    raw = [element.potential, element.dissipation, *element.wrench, *reports]
+    raw = [element.potential, element.dissipation, *element.loads, *reports]
     rng = np.random.default_rng(7)
     known = {symbol: rng.uniform(0.1, 0.2) for symbol in element.arguments}
     given = {"x_2": 3.1, "d_0": 3.0, "r_1": 1.1, "e_x": 0.6, "e_y": 0.8, "s": -1.0}
@@ -139,7 +139,7 @@ def test_named_quantities_change_nothing(key):
         expected = value(plain, known)
         assert value(short, known) == pytest.approx(expected, rel=1e-11, abs=1e-14)
         assert value(back, known) == pytest.approx(expected, rel=1e-11, abs=1e-14)
-    for energy, hand in zip(law.gradient, element.wrench, strict=True):
+    for energy, hand in zip(law.gradient, element.loads, strict=True):
         if energy is not None:
             assert value(energy, known) == pytest.approx(value(hand, known), rel=1e-9, abs=1e-11)
 

@@ -3,7 +3,8 @@
 import casadi as ca
 import numpy as np
 import pytest
-from ltcgear.symbolic.elements import make
+from ltcgear.symbolic.elements.element_types import make
+from ltcgear.symbolic.elements.key import ElementKey
 from ltcgear.symbolic.mechanics.lower import element_function
 
 SIZES = {"external": (1, 0.11, 0.27, 0.4), "internal": (-1, 0.27, 0.11, 0.17)}
@@ -17,7 +18,7 @@ def involute(alpha):
 @pytest.mark.parametrize("kind", ["external", "internal"])
 @pytest.mark.parametrize("flank", [1.0, -1.0])
 def test_the_deflection_is_that_of_involutes(kind, flank):
-    element = ("mesh", kind, "involute", False, False)
+    element = ElementKey.of("mesh", kind=kind, law="involute", switched=False, damped=False)
     function = element_function(element, "newton")
     names = [symbol.name for symbol in make(element).arguments]
     sigma, one, two, nominal = SIZES[kind]

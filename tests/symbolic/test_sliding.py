@@ -10,6 +10,7 @@ from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.checks.all_checks import check_model
+from ltcgear.symbolic.elements.key import ElementKey
 from ltcgear.symbolic.mechanics.lower import element_function
 from ltcgear.symbolic.scene.load import load_scene, make_scene
 
@@ -84,8 +85,9 @@ def wrench_by_hand(sigma, at, v, load, number):
 @pytest.mark.parametrize(("kind", "s"), list(product(["external", "internal"], [1.0, -1.0])))
 def test_wrench_is_that_of_vectors_at_the_touching_points(kind, s):
     rng = np.random.default_rng(3)
-    sliding = element_function(("mesh_sliding", kind, "involute", False), "newton")
-    mesh = element_function(("mesh", kind, "involute", False, False), "newton")
+    law = {"kind": kind, "law": "involute", "switched": False}
+    sliding = element_function(ElementKey.of("mesh_sliding", **law), "newton")
+    mesh = element_function(ElementKey.of("mesh", damped=False, **law), "newton")
     sigma, r1, r2 = (1, 0.08, 0.05) if kind == "external" else (-1, 0.2, 0.07)
     d = (r1 + sigma * r2) / cos(0.4)
     number = {
