@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.studies.sweep.axes import read_axes
+from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.studies.sweep.design import draw_design
 from ltcgear.runtime.studies.sweep.influence import FEWEST, find_influences
 from ltcgear.runtime.studies.sweep.summary import summarise

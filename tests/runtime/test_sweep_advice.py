@@ -7,7 +7,7 @@ import pytest
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime import sweep
 from ltcgear.runtime.studies.sweep import planning
-from ltcgear.runtime.studies.sweep.axes import EXAMPLE, read_axes, read_axis
+from ltcgear.runtime.studies.sweep.sweep_axes import EXAMPLE, read_axes, read_axis
 from ltcgear.runtime.studies.sweep.design import draw_design
 from ltcgear.symbolic import Template
 

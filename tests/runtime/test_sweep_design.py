@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.studies.sweep.axes import Axis, read_axes, read_axis
 from ltcgear.runtime.studies.sweep.design import SAMPLES, Design, draw_design
+from ltcgear.runtime.studies.sweep.sweep_axes import SweepAxis, read_axes, read_axis
 from ltcgear.symbolic.schema.units import parse
 
 NUMBERS = st.floats(-1e6, 1e6, allow_subnormal=False)
@@ -23,7 +23,7 @@ UNITS = st.sampled_from(["", "um", "rpm", "N*m/rad", "1/s"])
 def ranges(draw, count=None):
     low, high = sorted(draw(st.lists(NUMBERS, min_size=2, max_size=2, unique=True)))
     points = None if count is None else draw(count)
-    return Axis(draw(st.sampled_from(["a", "stages.lsp.x"])), low, high, draw(UNITS), points)
+    return SweepAxis(draw(st.sampled_from(["a", "stages.lsp.x"])), low, high, draw(UNITS), points)
 
 
 @given(ranges(st.none() | st.integers(2, 50)))
@@ -31,20 +31,20 @@ def ranges(draw, count=None):
 def test_ranges_are_read_as_they_are_written(axis):
     text = f"{axis.key}={axis.write(axis.low)}:{axis.write(axis.high)}" + (f":{axis.count}" if axis.count else "")
     assert read_axis(text) == axis
-    assert Axis.from_json(json.loads(json.dumps(axis.to_json()))) == axis
+    assert SweepAxis.from_json(json.loads(json.dumps(axis.to_json()))) == axis
 
 
 @given(NUMBERS.filter(lambda value: value == 0.0 or abs(value) >= 1e-30), st.sampled_from(["m", "N*m", "rad/s"]))
 @settings(deadline=None)
 def test_scenes_read_back_the_very_number(value, unit):
-    written = Axis("a", unit=unit).write(value)
+    written = SweepAxis("a", unit=unit).write(value)
     assert parse(written, unit) == value
 
 
 @given(ranges(), st.sampled_from(["lhs", "sobol", "saltelli"]), st.integers(1, 40), st.integers(0, 2**32))
 @settings(max_examples=60, deadline=None)
 def test_bounds_are_kept_and_seeds_reproduce(axis, sample, points, seed):
-    axes = (axis, Axis("other", 0.0, 1.0))
+    axes = (axis, SweepAxis("other", 0.0, 1.0))
     design = draw_design(axes, sample, points, seed)
     assert design.size == points * (4 if sample == "saltelli" else 1)
     assert design.values[:, 0].min() >= axis.low

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from ltcgear.runtime.results.amplitude_spectrum import amplitude_spectrum
-from ltcgear.runtime.studies.sweep.axes import read_axes
+from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.studies.sweep.design import draw_design
 from ltcgear.runtime.studies.sweep.summary import summarise
 from ltcgear.runtime.studies.sweep.sweep_reading import shorten

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 import pytest
-from ltcgear.runtime.studies.sweep.axes import read_axes
+from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.studies.sweep.design import draw_design
 
 from .models import case

@@ -12,7 +12,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from .axes import MOST, Axis, Vector
+from .sweep_axes import MOST, SweepAxis, Vector
 
 SAMPLES = {
     "grid": "every combination of the axes' own points",
@@ -48,7 +48,7 @@ class Design:
         Points, shape (size, axes): numbers in the axis' unit, or places in its list.
     """
 
-    axes: tuple[Axis, ...]
+    axes: tuple[SweepAxis, ...]
     sample: str
     points: int | None
     seed: int
@@ -60,7 +60,7 @@ class Design:
         return len(self.values)
 
     @property
-    def varied(self) -> tuple[Axis, ...]:
+    def varied(self) -> tuple[SweepAxis, ...]:
         """Return the axes that take more than one value."""
         return tuple(axis for axis in self.axes if not (axis.crossed and axis.places.size == 1))
 
@@ -135,7 +135,7 @@ class Design:
         """
         try:
             kept = json.loads(kept) if isinstance(kept, str) else kept
-            axes = [Axis.from_json(axis) for axis in kept["axes"]]
+            axes = [SweepAxis.from_json(axis) for axis in kept["axes"]]
             design, digest = draw_design(axes, kept["sample"], kept["points"], kept["seed"]), kept["digest"]
         except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             raise LtcgearError(f"its design cannot be read ({error}), so it is damaged") from error
@@ -153,7 +153,7 @@ class Design:
         return hash(self.digest)
 
 
-def draw_design(axes: Sequence[Axis], sample: str = "grid", points: int | None = None, seed: int = 0) -> Design:
+def draw_design(axes: Sequence[SweepAxis], sample: str = "grid", points: int | None = None, seed: int = 0) -> Design:
     """Draw the points of a sweep.
 
     Parameters
@@ -191,7 +191,7 @@ def _cross(sizes: Sequence[int]) -> list[NDArray[np.int64]]:
     return [number // later % size for size, later in zip(sizes, behind, strict=True)]
 
 
-def _check_sample(sample: str, crossed: Sequence[Axis], drawn: Sequence[Axis]) -> None:
+def _check_sample(sample: str, crossed: Sequence[SweepAxis], drawn: Sequence[SweepAxis]) -> None:
     """Refuse axes that a sample cannot serve."""
     if sample not in SAMPLES:
         raise LtcgearError(f"--sample {sample}: no such sample; there are {', '.join(SAMPLES)}")
@@ -206,7 +206,7 @@ def _check_sample(sample: str, crossed: Sequence[Axis], drawn: Sequence[Axis]) -
         raise LtcgearError(f"--sample {sample}: every axis has its own points; leave --sample out, or write NAME=a:b")
 
 
-def _check_range(axis: Axis, sample: str) -> None:
+def _check_range(axis: SweepAxis, sample: str) -> None:
     """Refuse an empty range, or a deviation that is none."""
     if sample == "normal" and not axis.high > 0.0:
         raise LtcgearError(
@@ -242,20 +242,20 @@ def _check_points(sample: str, points: int | None, seed: int, drawn: int, crosse
     return count
 
 
-def _spread(axes: Sequence[Axis], unit: Vector) -> Vector:
+def _spread(axes: Sequence[SweepAxis], unit: Vector) -> Vector:
     """Map the unit cube to the ranges, bounds kept."""
     low, high = (np.array([getattr(axis, name) for axis in axes]) for name in ("low", "high"))
     return np.asarray(np.clip(low + unit * (high - low), low, high))
 
 
-def _draw_lhs(axes: Sequence[Axis], count: int, seed: int) -> Vector:
+def _draw_lhs(axes: Sequence[SweepAxis], count: int, seed: int) -> Vector:
     """Draw a Latin hypercube."""
     from scipy.stats.qmc import LatinHypercube
 
     return _spread(axes, LatinHypercube(len(axes), seed=np.random.default_rng(seed)).random(count))
 
 
-def _draw_sobol(axes: Sequence[Axis], count: int, seed: int) -> Vector:
+def _draw_sobol(axes: Sequence[SweepAxis], count: int, seed: int) -> Vector:
     """Draw the first points of a scrambled Sobol sequence; drawn to a power of two, since less is warned about."""
     from scipy.stats.qmc import Sobol
 
@@ -263,13 +263,13 @@ def _draw_sobol(axes: Sequence[Axis], count: int, seed: int) -> Vector:
     return _spread(axes, sequence[:count])
 
 
-def _draw_normal(axes: Sequence[Axis], count: int, seed: int) -> Vector:
+def _draw_normal(axes: Sequence[SweepAxis], count: int, seed: int) -> Vector:
     """Draw independent normal numbers."""
     mean, deviation = (np.array([getattr(axis, name) for axis in axes]) for name in ("low", "high"))
     return np.asarray(mean + deviation * np.random.default_rng(seed).standard_normal((count, len(axes))))
 
 
-def _draw_saltelli(axes: Sequence[Axis], count: int, seed: int) -> Vector:
+def _draw_saltelli(axes: Sequence[SweepAxis], count: int, seed: int) -> Vector:
     """Draw Saltelli's scheme: of each base point A, A with one column of B for each axis, and B."""
     sampler = import_salib("sample")
     problem = make_problem(axes)
@@ -283,7 +283,7 @@ SAMPLERS = {"lhs": _draw_lhs, "sobol": _draw_sobol, "normal": _draw_normal, "sal
 """Sample -> function of axes, points and seed to values, shape (points, axes)."""
 
 
-def make_problem(axes: Sequence[Axis]) -> dict[str, Any]:
+def make_problem(axes: Sequence[SweepAxis]) -> dict[str, Any]:
     """Return the axes as SALib takes them, each over the unit interval."""
     return {"num_vars": len(axes), "names": [axis.key for axis in axes], "bounds": [[0.0, 1.0]] * len(axes)}
 

@@ -14,7 +14,7 @@ from ...results.attributes import to_attributes
 from ...results.row_file import part_of
 from ...simulation.low_pass import BAND
 from ...simulation.run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings, check_options
-from .axes import read_axes
+from .sweep_axes import read_axes
 from .design import Design, draw_design
 from .execution import Pool, Processes, check_joblib
 from .filling import SKIPPED, fill

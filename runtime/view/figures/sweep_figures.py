@@ -13,8 +13,8 @@ from ...analysis.waterfall import Waterfall
 from ...model.ties import order_by_size
 from ...results.amplitude_spectrum import noise_bandwidth
 from ...results.statistics import group_of
-from ...studies.sweep.axes import Axis
 from ...studies.sweep.influence import FLAT, SobolIndices, find_influences
+from ...studies.sweep.sweep_axes import SweepAxis
 from ...studies.sweep.sweep_reading import (
     WARNINGS,
     FloatArray,
@@ -90,7 +90,7 @@ def _has_numbers(dataset: Dataset, metric: str) -> bool:
     return any(np.isfinite(number.values).any() for number in list_numbers(dataset, [metric]))
 
 
-def _is_numeric(dataset: Dataset, axis: Axis) -> bool:
+def _is_numeric(dataset: Dataset, axis: SweepAxis) -> bool:
     """Say whether an axis has numbers, not words."""
     return dataset[axis.key].dtype.kind in "fiu"
 
@@ -126,7 +126,7 @@ def _title(words: str) -> str:
     return words[:1].upper() + words[1:]
 
 
-def _varied(dataset: Dataset, axis: Axis) -> str:
+def _varied(dataset: Dataset, axis: SweepAxis) -> str:
     """Return what an axis says."""
     unit = dataset[axis.key].attrs.get("units", "")
     return f"{axis.key} [{unit}]" if unit else axis.key
@@ -230,7 +230,9 @@ def _quantiles(values: FloatArray) -> FloatArray:
     return np.quantile(kept, [0.05, 0.5, 0.95]) if kept.size else np.full(3, np.nan)
 
 
-def _draw_over(dataset: Dataset, metric: str, axis: Axis, levels: NDArray[Any], plot: Callable[..., None]) -> Figure:
+def _draw_over(
+    dataset: Dataset, metric: str, axis: SweepAxis, levels: NDArray[Any], plot: Callable[..., None]
+) -> Figure:
     """Draw a metric over the values of an axis, a panel for each group."""
     groups = _grouped(_numbers_of(dataset, metric))
     figure = make_canvas(WIDTH, HEIGHT * (0.3 + 0.7 * len(groups)))
@@ -279,7 +281,7 @@ def draw_map(dataset: Dataset, metric: str) -> Figure:
     return figure
 
 
-def _edges(*axes: Axis) -> list[FloatArray]:
+def _edges(*axes: SweepAxis) -> list[FloatArray]:
     """Return the borders between an axis' cells, halfway between its points; lists stand at whole numbers."""
     found = []
     for axis in axes:
@@ -290,7 +292,7 @@ def _edges(*axes: Axis) -> list[FloatArray]:
     return found
 
 
-def _name_places(axes: Axes, one: Axis, other: Axis) -> None:
+def _name_places(axes: Axes, one: SweepAxis, other: SweepAxis) -> None:
     """Write a list's values at its places."""
     if one.items:
         axes.set_xticks(one.places, one.items)

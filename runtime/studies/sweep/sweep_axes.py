@@ -26,7 +26,7 @@ WHOLE = 2.0**53
 
 
 @dataclass(frozen=True)
-class Axis:
+class SweepAxis:
     """A key of the scene and the values it takes: a list or, between two bounds, a range.
 
     Attributes
@@ -87,7 +87,7 @@ class Axis:
         }
 
     @classmethod
-    def from_json(cls, kept: Mapping[str, Any]) -> "Axis":
+    def from_json(cls, kept: Mapping[str, Any]) -> "SweepAxis":
         """Return the axis that ``to_json`` wrote; ValueError where it has more points than any."""
         axis = cls(**{**kept, "items": tuple(kept["items"])})
         if axis.count is not None and not 1 <= axis.count <= MOST:
@@ -95,7 +95,7 @@ class Axis:
         return axis
 
 
-def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
+def read_axes(texts: Iterable[str]) -> tuple[SweepAxis, ...]:
     """Read axes, each as written after ``--vary`` (see `read_axis`).
 
     Raises
@@ -115,7 +115,7 @@ def read_axes(texts: Iterable[str]) -> tuple[Axis, ...]:
     return axes
 
 
-def read_axis(text: str) -> Axis:
+def read_axis(text: str) -> SweepAxis:
     """Read ``NAME=a:b:n``, ``NAME=a:b`` or ``NAME=v1,v2,v3``.
 
     Both bounds have the scene's unit, written alike, or are plain numbers both.
@@ -135,7 +135,7 @@ def read_axis(text: str) -> Axis:
         raise LtcgearError(f"{label}: keys and values have {LONGEST} characters at most; {EXAMPLE}")
     parts = [part.strip() for part in values.split(":")]
     if len(parts) == 1:
-        return Axis(key, items=_read_items(values, label))
+        return SweepAxis(key, items=_read_items(values, label))
     if len(parts) > 3:
         raise LtcgearError(f"{label}: {len(parts)} parts between colons are too many; {EXAMPLE}")
     (low, unit), (high, other) = (_read_bound(part, label) for part in parts[:2])
@@ -144,7 +144,7 @@ def read_axis(text: str) -> Axis:
             f"{label}: the bounds have the units {unit or 'none'!r} and {other or 'none'!r}; write both in the same"
         )
     count = _read_count(parts[2], low, high, label) if len(parts) == 3 else None
-    return Axis(key, low, high, unit, count)
+    return SweepAxis(key, low, high, unit, count)
 
 
 def _read_items(text: str, label: str) -> tuple[str, ...]:
