@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.studies.sweep.design import draw_design
 from ltcgear.runtime.studies.sweep.influence import FEWEST, find_influences
 from ltcgear.runtime.studies.sweep.summary import summarise
+from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.view.tables.sweep_tables import list_tables
 
 from .sweeps import as_sweep

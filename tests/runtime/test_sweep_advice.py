@@ -7,8 +7,8 @@ import pytest
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime import sweep
 from ltcgear.runtime.studies.sweep import planning
-from ltcgear.runtime.studies.sweep.sweep_axes import EXAMPLE, read_axes, read_axis
 from ltcgear.runtime.studies.sweep.design import draw_design
+from ltcgear.runtime.studies.sweep.sweep_axes import EXAMPLE, read_axes, read_axis
 from ltcgear.symbolic import Template
 
 SPEED = "loads.ring.speed=5 rpm:20 rpm"

@@ -7,9 +7,9 @@ import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import sweep
 from ltcgear.runtime.studies.sweep import planning
-from ltcgear.runtime.studies.sweep.sweep_axes import MOST, MOST_AXES, MOST_ITEMS, read_axes
 from ltcgear.runtime.studies.sweep.design import draw_design
 from ltcgear.runtime.studies.sweep.metrics import find_metric
+from ltcgear.runtime.studies.sweep.sweep_axes import MOST, MOST_AXES, MOST_ITEMS, read_axes
 from ltcgear.symbolic import Template
 
 LONG = "9" * 10**6

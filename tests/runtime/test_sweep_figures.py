@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 from ltcgear.runtime.results.amplitude_spectrum import amplitude_spectrum
-from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.studies.sweep.design import draw_design
 from ltcgear.runtime.studies.sweep.summary import summarise
+from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.studies.sweep.sweep_reading import shorten
 from ltcgear.runtime.view.figures.sweep_figures import draw_sweep
 from ltcgear.runtime.view.tables.sweep_tables import list_tables

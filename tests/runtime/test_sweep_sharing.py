@@ -17,8 +17,8 @@ import math
 
 import numpy as np
 import pytest
-from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.studies.sweep.design import draw_design
+from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 
 from .models import case
 from .sweeps import run_sweep

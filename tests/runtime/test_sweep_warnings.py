@@ -7,9 +7,9 @@ from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime import build, load_sweep, simulate, sweep
 from ltcgear.runtime.results.row_file import part_of
 from ltcgear.runtime.studies.sweep import sweep_file
-from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.studies.sweep.design import draw_design
 from ltcgear.runtime.studies.sweep.summary import gather_warnings, summarise
+from ltcgear.runtime.studies.sweep.sweep_axes import read_axes
 from ltcgear.runtime.view.figures.sweep_figures import draw_sweep
 from ltcgear.runtime.view.tables.sweep_tables import list_tables
 from ltcgear.symbolic import Template

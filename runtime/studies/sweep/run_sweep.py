@@ -14,13 +14,13 @@ from ...results.attributes import to_attributes
 from ...results.row_file import part_of
 from ...simulation.low_pass import BAND
 from ...simulation.run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings, check_options
-from .sweep_axes import read_axes
 from .design import Design, draw_design
 from .execution import Pool, Processes, check_joblib
 from .filling import SKIPPED, fill
 from .metrics import find_metric
 from .planning import Told, check_points, choose_common_rate, make_plan
 from .summary import summarise
+from .sweep_axes import read_axes
 from .sweep_file import Store, check_store, load_sweep
 from .sweep_reading import design_of
 from .task import Maker, Plan, PointOutcome
