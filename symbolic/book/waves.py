@@ -1,16 +1,17 @@
-r"""Printed stiffness and errors over the mesh phase; the C is made of ``profiles``.
+r"""Printed profiles over the mesh phase: their letters, and the functions that they are written with.
 
 :math:`\operatorname{wrap}(z)` is z less its nearest whole number; :math:`\operatorname{R}` rises smoothly from 0
 at z = 0 to 1 at z = 1.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import sympy as sp
 
 from ..elements.base import positive, real
 from ..elements.tooth_pairs import Wrapped
+from ..mechanics.profiles import KINDS, ProfileFunctions
 
 TAU, LEVEL = real("tau"), real("level")
 K1, K2, MEAN = positive("k_1"), positive("k_2"), real("k_mean")
@@ -59,31 +60,21 @@ class Wave:
     numbers: Callable[[int], tuple[sp.Expr, ...]]
 
 
-def _smooth() -> sp.Expr:
-    """Return two levels with transitions between them."""
-    outward = sp.Abs(Wrap(TAU - SHARE / 2))
-    return K1 + (K2 - K1) * Rise((outward - SHARE / 2) / WIDTH + sp.Rational(1, 2))
+def _sum(mean: sp.Expr, tau: sp.Expr, amplitudes: Sequence[sp.Expr]) -> sp.Expr:
+    """Return a mean and harmonics, for any number of amplitudes."""
+    angle = 2 * sp.pi * ORDER * tau
+    return mean + sp.Sum(COS[ORDER] * sp.cos(angle) + SIN[ORDER] * sp.sin(angle), (ORDER, 1, COUNT))
 
 
-def _series() -> sp.Expr:
-    """Return a mean and harmonics."""
-    angle = 2 * sp.pi * ORDER * TAU
-    return MEAN + sp.Sum(COS[ORDER] * sp.cos(angle) + SIN[ORDER] * sp.sin(angle), (ORDER, 1, COUNT))
-
-
-def _arcs() -> sp.Expr:
-    """Return a parabola over single contact and one over double contact."""
-    single, double = (
-        c[0] + c[1] * y + c[2] * y**2
-        for c, y in zip(ARCS, (Wrap(TAU - SHARE / 2), Wrap(TAU - (1 + SHARE) / 2)), strict=True)
-    )
-    return single + LEVEL * (double - single)
-
-
-def _tooth() -> sp.Expr:
-    """Return the error of one tooth, taken over and handed on in double contact."""
-    past = TEETH * Wrap((TAU - TOOTH) / TEETH)
-    return SIZE * (Rise(past / (1 - SHARE) + 1) - Rise((past - SHARE) / (1 - SHARE)))
+PRINTED = ProfileFunctions(
+    half=sp.Rational(1, 2),
+    magnitude=sp.Abs,
+    wrap=lambda z, period: period * Wrap(z / period),
+    rise=Rise,
+    polynomial=lambda y, c: sum(factor * y**power for power, factor in enumerate(c)),
+    harmonics=_sum,
+)
+"""Functions of profiles in SymPy."""
 
 
 def _amplitudes(count: int) -> tuple[sp.Expr, ...]:
@@ -92,11 +83,20 @@ def _amplitudes(count: int) -> tuple[sp.Expr, ...]:
     return (MEAN, *pairs)
 
 
-WAVES: dict[str, Wave] = {
-    "smooth": Wave("two levels with smooth transitions", _smooth(), lambda count: (K1, K2, SHARE, WIDTH)),
-    "series": Wave("mean and harmonics", _series(), _amplitudes),
-    "arcs": Wave("parabolas over single and double contact", _arcs(), lambda count: (SHARE, *ARCS[0], *ARCS[1])),
-    "tooth": Wave("error of a single tooth", _tooth(), lambda count: (SIZE, TOOTH, TEETH, SHARE)),
-    "constant": Wave("constant, of a pin out of place", VALUE, lambda count: (VALUE,)),
+_LETTERS: dict[str, tuple[sp.Expr, ...]] = {
+    "smooth": (K1, K2, SHARE, WIDTH),
+    "series": (MEAN,),
+    "arcs": (SHARE, *ARCS[0], *ARCS[1]),
+    "tooth": (SIZE, TOOTH, TEETH, SHARE),
+    "constant": (VALUE,),
 }
-"""Kind of ``profiles.KINDS`` -> how it is printed."""
+
+
+def _wave(kind: str, letters: tuple[sp.Expr, ...]) -> Wave:
+    """Write a kind of profile in its letters."""
+    formula = KINDS[kind].value(PRINTED, TAU, LEVEL, *letters)
+    return Wave(KINDS[kind].title, formula, _amplitudes if kind == "series" else lambda count: letters)
+
+
+WAVES = {kind: _wave(kind, letters) for kind, letters in _LETTERS.items()}
+"""Kind of profile -> how it is printed."""

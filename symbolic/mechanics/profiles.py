@@ -1,71 +1,97 @@
-r"""Profiles over the mesh phase tau [cycles], as CasADi functions of tau and a few numbers.
+"""Profiles over the mesh phase tau [cycles]: stiffness and errors, written once for the C and for the book.
 
 All have the period of a tooth pitch (``tooth``: of the gear's turns) and are written by their distance from
 the middle of a contact, wrapped to half a pitch either way, so that wrapping never falls where they vary.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import cache
-from math import comb, pi
+from math import comb
 from typing import Any
 
 import casadi as ca
 
-Value = Any  # CasADi's SX, which carries no types
+Value = Any  # a number, CasADi's SX or SymPy's Expr
 
 
-def _wrapped(cycles: Value, period: Value = 1) -> Value:
-    """Return cycles less whole periods, from minus half a period to half a period."""
-    return cycles - period * ca.floor(cycles / period + 0.5)
+@dataclass(frozen=True)
+class ProfileFunctions:
+    """What profiles are written with, in one algebra.
 
-
-def _step(z: Value) -> Value:
-    """Rise from 0 at z = 0 to 1 at z = 1 with six derivatives: the integral of (1 - y^2)^6 over y = 2 z - 1.
-
-    An integrator of order five sees no edge where it begins and ends.
+    Attributes
+    ----------
+    half
+        One half.
+    magnitude
+        |z|.
+    wrap
+        (z, period) -> z less whole periods, from minus half a period to half a period.
+    rise
+        z -> 0 up to z = 0, 1 from z = 1 on, smooth between.
+    polynomial
+        (y, coefficients) -> c_0 + c_1 y + c_2 y^2.
+    harmonics
+        (mean, tau, amplitudes) -> mean + sum of a_n cos(2 pi n tau) + b_n sin(2 pi n tau); the amplitudes come as a_1,
+        b_1, a_2, ...
     """
-    y = ca.fmin(ca.fmax(2 * z - 1, -1), 1)
-    square, total = y**2, 0
-    for n in range(6, -1, -1):
-        total = total * square + (-1) ** n * comb(6, n) / (2 * n + 1)
-    return 0.5 + 3003 / 2048 * y * total
+
+    half: Value
+    magnitude: Callable[[Value], Value]
+    wrap: Callable[[Value, Value], Value]
+    rise: Callable[[Value], Value]
+    polynomial: Callable[[Value, Sequence[Value]], Value]
+    harmonics: Callable[[Value, Value, Sequence[Value]], Value]
 
 
-def _smooth(tau: Value, level: Value, single: Value, double: Value, share: Value, width: Value) -> Value:
+@dataclass(frozen=True)
+class ProfileKind:
+    """A kind of profile.
+
+    Attributes
+    ----------
+    title
+        What it is.
+    value
+        (functions, tau, level, *numbers) -> value at a phase.
+    mean
+        (*numbers) -> what stands for it where nothing varies: its mean; a single tooth's error is left out.
+    """
+
+    title: str
+    value: Callable[..., Value]
+    mean: Callable[..., Value]
+
+
+def _smooth(
+    of: ProfileFunctions, tau: Value, level: Value, single: Value, double: Value, share: Value, width: Value
+) -> Value:
     """Return the stiffness of single and double contact with transitions of a width [cycles] around eq 9's jumps."""
-    outward = ca.fabs(_wrapped(tau - share / 2))
-    return single + (double - single) * _step((outward - share / 2) / width + 0.5)
+    outward = of.magnitude(of.wrap(tau - share / 2, 1))
+    return single + (double - single) * of.rise((outward - share / 2) / width + of.half)
 
 
-def _series(tau: Value, level: Value, mean: Value, *amplitudes: Value) -> Value:
-    """Return mean + sum of a_n cos(2 pi n tau) + b_n sin(2 pi n tau); the amplitudes come as a_1, b_1, a_2, ..."""
-    one = ca.cos(2 * pi * tau), ca.sin(2 * pi * tau)
-    total, cosine, sine = mean, *one
-    for a, b in zip(amplitudes[::2], amplitudes[1::2], strict=True):
-        total = total + a * cosine + b * sine
-        cosine, sine = cosine * one[0] - sine * one[1], sine * one[0] + cosine * one[1]
-    return total
+def _series(of: ProfileFunctions, tau: Value, level: Value, mean: Value, *amplitudes: Value) -> Value:
+    """Return a mean and harmonics."""
+    return of.harmonics(mean, tau, amplitudes)
 
 
-def _arcs(tau: Value, level: Value, share: Value, *coefficients: Value) -> Value:
+def _arcs(of: ProfileFunctions, tau: Value, level: Value, share: Value, *coefficients: Value) -> Value:
     """Return a parabola over single and one over double contact, each about the middle of its contact."""
-    single, double = (
-        c[0] + y * (c[1] + y * c[2])
-        for c, y in (
-            (coefficients[:3], _wrapped(tau - share / 2)),
-            (coefficients[3:], _wrapped(tau - (1 + share) / 2)),
-        )
-    )
+    single = of.polynomial(of.wrap(tau - share / 2, 1), coefficients[:3])
+    double = of.polynomial(of.wrap(tau - (1 + share) / 2, 1), coefficients[3:])
     return single + level * (double - single)
 
 
-def _tooth(tau: Value, level: Value, size: Value, number: Value, teeth: Value, share: Value) -> Value:
+def _tooth(
+    of: ProfileFunctions, tau: Value, level: Value, size: Value, number: Value, teeth: Value, share: Value
+) -> Value:
     """Return the error of one tooth of a gear: full in its single contact, taken over and handed on in double."""
-    past, rest = _wrapped(tau - number, teeth), 1 - share
-    return size * (_step(past / rest + 1) - _step((past - share) / rest))
+    past, rest = of.wrap(tau - number, teeth), 1 - share
+    return size * (of.rise(past / rest + 1) - of.rise((past - share) / rest))
 
 
-def _constant(tau: Value, level: Value, size: Value) -> Value:
+def _constant(of: ProfileFunctions, tau: Value, level: Value, size: Value) -> Value:
     """Return what does not depend on the phase."""
     return size
 
@@ -80,14 +106,50 @@ def _arcs_mean(share: Value, *c: Value) -> Value:
     return share * (c[0] + c[2] * share**2 / 12) + (1 - share) * (c[3] + c[5] * (1 - share) ** 2 / 12)
 
 
-#: Kind -> value at a phase, and what stands for it where nothing varies: its mean; a single tooth's error is left out.
-KINDS: dict[str, tuple[Callable[..., Value], Callable[..., Value]]] = {
-    "smooth": (_smooth, _smooth_mean),
-    "series": (_series, lambda mean, *amplitudes: mean),
-    "arcs": (_arcs, _arcs_mean),
-    "tooth": (_tooth, lambda *numbers: 0),
-    "constant": (_constant, lambda size: size),
+KINDS: dict[str, ProfileKind] = {
+    "smooth": ProfileKind("two levels with smooth transitions", _smooth, _smooth_mean),
+    "series": ProfileKind("mean and harmonics", _series, lambda mean, *amplitudes: mean),
+    "arcs": ProfileKind("parabolas over single and double contact", _arcs, _arcs_mean),
+    "tooth": ProfileKind("error of a single tooth", _tooth, lambda *numbers: 0),
+    "constant": ProfileKind("constant, of a pin out of place", _constant, lambda size: size),
 }
+"""Kinds of profiles by name."""
+
+
+# --- as graphs
+
+
+def _rise(z: Value) -> Value:
+    """Rise with six derivatives: the integral of (1 - y^2)^6 over y = 2 z - 1.
+
+    An integrator of order five sees no edge where it begins and ends.
+    """
+    y = ca.fmin(ca.fmax(2 * z - 1, -1), 1)
+    square, total = y**2, 0
+    for n in range(6, -1, -1):
+        total = total * square + (-1) ** n * comb(6, n) / (2 * n + 1)
+    return 0.5 + 3003 / 2048 * y * total
+
+
+def _harmonics(mean: Value, tau: Value, amplitudes: Sequence[Value]) -> Value:
+    """Sum harmonics up, each from the one before by a rotation."""
+    one = ca.cos(2 * ca.pi * tau), ca.sin(2 * ca.pi * tau)
+    total, cosine, sine = mean, *one
+    for a, b in zip(amplitudes[::2], amplitudes[1::2], strict=True):
+        total = total + a * cosine + b * sine
+        cosine, sine = cosine * one[0] - sine * one[1], sine * one[0] + cosine * one[1]
+    return total
+
+
+GRAPHS = ProfileFunctions(
+    half=0.5,
+    magnitude=ca.fabs,
+    wrap=lambda z, period: z - period * ca.floor(z / period + 0.5),
+    rise=_rise,
+    polynomial=lambda y, c: c[0] + y * (c[1] + y * c[2]),
+    harmonics=_harmonics,
+)
+"""Functions of profiles in CasADi."""
 
 
 @cache
@@ -95,7 +157,7 @@ def _function(kind: str, count: int) -> ca.Function:
     """Lower one kind: (tau, level, varying, numbers) -> value and its slope per cycle."""
     tau, level, varying = ca.SX.sym("tau"), ca.SX.sym("level"), ca.SX.sym("varying")
     numbers = [ca.SX.sym(f"n{i}") for i in range(count)]
-    value, mean = (ca.SX(written) for written in (KINDS[kind][0](tau, level, *numbers), KINDS[kind][1](*numbers)))
+    value, mean = ca.SX(KINDS[kind].value(GRAPHS, tau, level, *numbers)), ca.SX(KINDS[kind].mean(*numbers))
     results = [mean + varying * (value - mean), varying * ca.jacobian(value, tau)]
     return ca.Function(kind, [tau, level, varying, *numbers], results)
 
