@@ -8,8 +8,7 @@ from ..mechanics.frames import FrameMotion
 from ..mechanics.model import Body, Model
 from .chapter_laws import name_places
 from .content import Chapter, Maths, Part
-from .model_equations import PrintedEquations, assemble, list_terms
-from .motion import Assignment, has_turning_frame
+from .model_equations import Assignment, PrintedEquations, assemble, list_terms
 from .notation import break_sum, fill_lines, put_signs, typeset, write_name
 
 SMALL = 6
@@ -28,7 +27,7 @@ def write_balances(chapter: Chapter, model: Model) -> None:
 def _body_law(chapter: Chapter, model: Model) -> None:
     """Write the law of a body in its frame."""
     chapter.head("A body in its frame", "body-law")
-    if has_turning_frame(model):
+    if model.has_turning_frame:
         chapter.say(
             "Newton's and Euler's laws in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"),
             ": force, Coriolis, centrifugal and Euler acceleration. The kinetic energy gives the same, "

@@ -11,7 +11,6 @@ from ..mechanics.lagrange import kinetic_energy
 from ..mechanics.model import Model
 from .content import Chapter, Maths, Text
 from .laws import Law, write_law
-from .motion import has_turning_frame
 from .notation import break_sum, typeset
 
 FRAME, GROUND = "the turning frame", "the ground, resolved in the frame"
@@ -22,7 +21,7 @@ def write_laws(chapter: Chapter, model: Model) -> None:
     """Write the chapter on energies and force laws."""
     chapter.head("Kinetic energy of a body", "kinetic")
     frame: Text = ("in a frame that turns with ", Maths(r"\rho_{C}\,\dot{\varphi}"), "; X, Y: place in it")
-    chapter.equate(break_sum("T", name_places(kinetic_energy(), model)), *(frame if has_turning_frame(model) else ()))
+    chapter.equate(break_sum("T", name_places(kinetic_energy(), model)), *(frame if model.has_turning_frame else ()))
     chapter.head("From energies to forces", "lagrange")
     chapter.equate(
         (r"\frac{d}{dt}\frac{\partial T}{\partial\dot{q}} - \frac{\partial T}{\partial q} ="
@@ -36,7 +35,7 @@ def write_laws(chapter: Chapter, model: Model) -> None:
 def name_places(expression: sp.Expr, model: Model) -> sp.Expr:
     """Write a body's place in its frame as X and Y, and leave out turns that a model does not know."""
     f = FrameMotion.symbols()
-    known = {f.x: real("X"), f.y: real("Y")} | ({} if has_turning_frame(model) else {f.frame_ratio: sp.S.Zero})
+    known = {f.x: real("X"), f.y: real("Y")} | ({} if model.has_turning_frame else {f.frame_ratio: sp.S.Zero})
     still = dict.fromkeys((f.phi_d, f.phi_dd), sp.S.Zero) if model.reference == "rest" else {}
     return expression.xreplace(known | still)
 

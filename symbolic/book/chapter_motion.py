@@ -3,9 +3,9 @@
 import sympy as sp
 
 from ..elements.base import real
+from ..mechanics.frames import rotate
 from ..mechanics.model import Model
 from .content import Chapter, Maths
-from .motion import has_turning_frame, rotate
 from .notation import break_sum, typeset
 
 PHI, PHI_D, RHO, RHO_C, BETA, BETA0, U, U_D = map(real, ("phi", "phi_d", "rho", "rho_C", "beta", "beta_0", "u", "u_d"))
@@ -19,7 +19,7 @@ def write_motion(chapter: Chapter, model: Model) -> None:
         chapter.say("The train is at rest: places and angles are those against the ground.")
     else:
         _reference(chapter, model)
-    _places(chapter, has_turning_frame(model))
+    _places(chapter, model.has_turning_frame)
     if any(body.seat is not None for body in model.bodies):
         _seats(chapter)
     if model.reference == "rest":
@@ -51,7 +51,7 @@ def _reference(chapter: Chapter, model: Model) -> None:
     )  # fmt: skip
     chapter.equate(break_sum(r"\theta", RHO * PHI + U), "absolute angle of a member")
     chapter.equate(break_sum(r"\dot{\theta}", RHO * PHI_D + U_D), "its speed")
-    if has_turning_frame(model):
+    if model.has_turning_frame:
         chapter.say("A stage's frame turns with the rigid motion of its carrier.")
         chapter.equate(break_sum(typeset(BETA), RHO_C * PHI + BETA0), "angle of the frame")
 
@@ -78,7 +78,7 @@ def _places(chapter: Chapter, turns: bool) -> None:
 
 def _inertial(chapter: Chapter) -> None:
     """Write places and velocities against the ground."""
-    for left, value in zip((r"x^{\text{inertial}}", r"y^{\text{inertial}}"), rotate(BETA, X, Y), strict=True):
+    for left, value in zip((r"x^{\text{inertial}}", r"y^{\text{inertial}}"), rotate(BETA, X, Y, sp), strict=True):
         chapter.equate(break_sum(left, value))
     chapter.say("Velocities against the ground, resolved in the turning frame:")
     chapter.equate(break_sum("v_{x}", VX - RHO_C * PHI_D * Y))
@@ -92,7 +92,7 @@ def _seats(chapter: Chapter) -> None:
         "What sits on a body, such as a planet on a rigid pin or the teeth of an eccentric gear, "
         "turns about that body's centre."
     )
-    arm = rotate(PSI, X0, Y0)
+    arm = rotate(PSI, X0, Y0, sp)
     for axis, value in zip("xy", arm, strict=True):
         chapter.equate(break_sum(f"a_{{{axis}}}", value), "arm, turned with the seat" if axis == "x" else "")
     ax, ay = sp.symbols("a_x a_y", real=True)

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from ..elements.element_types import make
 from ..mechanics import lagrange
 from ..mechanics.equations import Equations, derive
-from ..mechanics.frames import FrameMotion
-from ..mechanics.joints import rotate
+from ..mechanics.frames import FrameMotion, rotate
 from ..mechanics.model import Model
 from .check import Check, judged
 from .nominal import at_nominal
@@ -245,10 +244,12 @@ def momentum_rates(model: Model, equations: Equations) -> Any:  # noqa: ANN401
             motion = ca.jtimes(motion, equations.x, equations.xdot) + ca.jtimes(motion, equations.s, sdot)
         return motion
 
-    rates, offsets = [], {}
+    rates: list[Any] = []
+    offsets: dict[str, Any] = {}
     for body in model.bodies:
         if body.moment is not None:
-            offsets[body.name] = ca.vertcat(*rotate(equations.angles[body.name], *(number[n] for n in body.moment)))
+            sx, sy = (number[name] for name in body.moment)
+            offsets[body.name] = ca.vertcat(*rotate(equations.angles[body.name], sx, sy, ca))
     for body in model.bodies:
         if body.lateral:
             momentum = number[body.mass or ""] * equations.positions[body.name]

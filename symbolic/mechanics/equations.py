@@ -4,20 +4,19 @@ Element types were derived in SymPy; here each instance is one call of its type'
 grows with the number of gears only as fast as the equations themselves do.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from math import pi
 from typing import Any
 
 import casadi as ca
 from ltcgear.generated.contract import BACK, VARYING, Report, State
 
-from ..elements.axes import PLANE, Axis
+from ..elements.axes import DEVIATIONS
+from ..elements.base import Element
 from ..elements.element_types import make
-from .joints import Joints, rotate
-from .kinematics import Kinematics
+from .balances import Balances
 from .lower import body_function, element_function
-from .model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TURN, Body, Instance, Model, Phase
+from .model import ERROR, SLOPE, STIFFNESS, Body, Instance, Model, Phase, Profile
 from .profiles import evaluate
 
 
@@ -84,273 +83,188 @@ def derive(model: Model, derivation: str = "newton", basis: str = "frame") -> Eq
     Equations
         In a fixed order of states, levels, parameters and outputs.
     """
-    return _Assembly(model, derivation, basis).equations()
+    return _Graphs(model, derivation, basis).equations()
 
 
-class _Assembly(Kinematics):
-    """One derivation under way: elements at the ports of bodies, sums of wrenches."""
+class _Graphs(Balances):
+    """One derivation under way, in CasADi's graphs."""
 
-    def call(self, instance: Instance) -> dict[str, Any]:
+    functions = ca
+
+    def __init__(self, model: Model, derivation: str, basis: str) -> None:
+        super().__init__(model)
+        self.derivation, self.basis, self.zero = derivation, basis, ca.SX(0)
+        self.p = ca.SX.sym("p", len(model.parameters))
+        self.numbers = {q.name: self.p[i] for i, q in enumerate(model.parameters)}
+        self.s = ca.SX.sym("s", len(model.levels) + len(model.signals))
+        self.levels = {level.name: self.s[i] for i, level in enumerate(model.levels)}
+        self.numbers |= {signal.name: self.s[len(self.levels) + i] for i, signal in enumerate(model.signals)}
+        self.states = tuple(self._states())
+        self.x = ca.SX.sym("x", len(self.states))
+        self.values = {state.name: self.x[i] for i, state in enumerate(self.states)}
+
+    def _states(self) -> Iterator[State]:
+        """List the states: reference angle, deviations, (reference speed), rates of the deviations."""
+        lead = self.lead
+        if self.model.reference != "rest":
+            yield State("reference.angle", "rad", lead.name if lead else "", "theta", "", "reference angle")
+        for body, axis in self.moving():
+            unit = DEVIATIONS[axis].unit
+            yield State(f"{body.name}.{axis}", unit, body.name, axis, _inertia(body, axis), "deviation")
+        if lead is not None:
+            yield State("reference.speed", "rad/s", lead.name, "theta", lead.inertia or "", "reference speed")
+        for body, axis in self.moving():
+            unit = DEVIATIONS[axis].rate_unit
+            yield State(f"{body.name}.{axis}.rate", unit, body.name, axis, _inertia(body, axis), "rate")
+
+    # --- what the laws are written over
+
+    def state(self, name: str, letter: str) -> ca.SX:
+        """Return a state."""
+        return self.values[name]
+
+    def number(self, name: str, letter: str) -> ca.SX:
+        """Return a parameter or load signal."""
+        return self.numbers[name]
+
+    def level(self, mesh: str) -> Any:  # noqa: ANN401
+        """Return the level of a mesh."""
+        return self.levels.get(mesh, self.zero)
+
+    def one_profile(self, item: Profile, place: int, tau: Any) -> tuple[ca.SX, ca.SX]:  # noqa: ANN401
+        """Return the value of a profile at a phase and its slope per cycle."""
+        numbers = [self.numbers[name] for name in item.numbers]
+        return evaluate(item.kind, tau, self.level(item.mesh), self.numbers[VARYING], numbers)
+
+    def body_law(self, given: dict[str, Any]) -> dict[str, ca.SX]:
+        """Return the accelerations of a body by freedom."""
+        found: dict[str, Any] = body_function(self.derivation)(**{"m": ca.SX(1), "inertia": ca.SX(1)} | given)
+        return {axis: found[f"a{axis}"] for axis in DEVIATIONS}
+
+    def call(self, instance: Instance, tag: str) -> dict[str, Any]:
         """Evaluate one element instance."""
         element = make(instance.element)
-        seen = [self.port(self.bodies[name], element.rates) for name in instance.bodies]
-        coordinates, velocities = (
-            [value for port, motion in zip(element.ports, seen, strict=True) for value in _along(port.axes, motion[i])]
-            for i in (0, 1)
-        )
-        names = [symbol.name for symbol in element.arguments]
-        function = element_function(instance.element, self.derivation)
-
-        def called(bound: dict[str, Any]) -> dict[str, Any]:
-            values = coordinates + velocities + [bound[symbol.name] for symbol in element.parameters]
-            result: dict[str, Any] = function(**dict(zip(names, values, strict=True)))
-            return result
-
-        bound = self._bound(instance)
+        seen = {symbol.name: value for symbol, value in self.seen(element, instance).items()}
+        function, bound = element_function(instance.element, self.derivation), self.bound(instance, element, tag)
         if SLOPE in instance.bind.values():
             # The stiffness at gear 1's own rolling angle, which the element itself knows.
-            rolling = called(bound)["out_rolling"]
-            bound |= dict(zip(("k", "k_d"), self._followed(instance, rolling), strict=True))
-        return called(bound)
+            bound |= self.followed(instance, tag, function(**seen | bound)["out_rolling"])
+        result: dict[str, Any] = function(**seen | bound)
+        return result
 
-    def _bound(self, instance: Instance) -> dict[str, Any]:
-        """Return the values of an element's parameters."""
-        beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
-        special = {TURN: ca.SX(0), BASIS: beta} | self._special(instance)
-        if self.basis == "inertial":
-            special |= {TURN: beta, BASIS: ca.SX(0)}
-        bound = {key: special[name] if name in special else self.number[name] for key, name in instance.bind.items()}
-        if self.basis == "inertial" and "e_x" in bound:
-            bound["e_x"], bound["e_y"] = rotate(beta, bound["e_x"], bound["e_y"])
-        return bound
-
-    def _special(self, instance: Instance) -> dict[str, Any]:
-        """Return what a mesh's elements see of its phase; the other flank sees errors with the other sign."""
-        mesh, used = instance.name.removesuffix(BACK), set(instance.bind.values())
-        special: dict[str, Any] = {LEVEL: self.level.get(mesh)}
-        if PHASE in used:
-            special[PHASE] = self.mesh_phase_of(mesh)
-        if STIFFNESS in used:
-            special[STIFFNESS], special[SLOPE] = self.profile(mesh, "stiffness", self.mesh_phase_of(mesh))
-        if ERROR in used:
-            sign = -1 if instance.name.endswith(BACK) else 1
-            error, slope = self.profile(mesh, "error", self.mesh_phase_of(mesh))
-            if instance.group == "mesh":  # friction sees in the plane where pins stand
-                error = error + self.profile(mesh, "turned", ca.SX(0))[0]
-                special[ERROR] = sign * error + self.profile(mesh, "opening", ca.SX(0))[0]
-            special = {ERROR: sign * error} | special | {ERROR_RATE: sign * slope * self.mesh_rate_of(mesh)}
-        return special
-
-    def profile(self, mesh: str, quantity: str, tau: Any) -> tuple[Any, Any]:  # noqa: ANN401
-        """Return a quantity of a mesh at a phase tau and its slope per cycle: the sum of its profiles."""
-        value = slope = ca.SX(0)
-        for item in self.model.profiles:
-            if (item.mesh, item.quantity) == (mesh, quantity):
-                level = self.level.get(mesh, ca.SX(0))
-                one = evaluate(
-                    item.kind, tau, level, self.number[VARYING], [self.number[name] for name in item.numbers]
-                )
-                value, slope = value + one[0], slope + one[1]
-        return value, slope
-
-    def mesh_phase_of(self, mesh: str) -> Any:  # noqa: ANN401
-        """Return the phase tau [cycles] of a mesh by the rigid motion."""
-        phase = next((phase for phase in self.model.phases if phase.name == mesh), None)
-        if phase is None:
-            return ca.SX(0)
-        return self._rigid_cycles(phase) + self.number[phase.start]
-
-    def _rigid_cycles(self, phase: Phase) -> Any:  # noqa: ANN401
-        """Return the tooth pitches [cycles] that have gone by in the rigid motion."""
-        if phase.rate is not None:
-            return self.number[phase.rate] * self.phi
-        body = self.bodies[phase.gear]
-        frame = self.model.frames[body.frame]
-        return (
-            self.number[phase.teeth] / (2 * pi) * (self.ratio(body) - (self.number[frame] if frame else 0)) * self.phi
-        )
-
-    def mesh_rate_of(self, mesh: str) -> Any:  # noqa: ANN401
-        """Return the rate [1/s] of a mesh's phase."""
-        rate = next((phase.rate for phase in self.model.phases if phase.name == mesh), None)
-        return ca.SX(0) if rate is None else self.number[rate] * self.speed
-
-    def _followed(self, instance: Instance, rolling: Any) -> tuple[Any, Any]:  # noqa: ANN401
-        """Return a mesh's stiffness and its slope where the phase is that of gear 1's own motion."""
-        mesh = instance.name.removesuffix(BACK)
-        phase = next(phase for phase in self.model.phases if phase.name == mesh)
-        return self.profile(mesh, "stiffness", self._gear_phase(phase, rolling))
-
-    def _gear_phase(self, phase: Phase, rolling: Any) -> Any:  # noqa: ANN401
-        """Return the phase [cycles] of gear 1's own motion from its rolling angle, which inertial axes hold whole."""
-        own = self.number[phase.rolled] + self.number[phase.teeth] / (2 * pi) * rolling
-        return self._rigid_cycles(phase) + own if self.basis == "frame" else own
+    # --- everything
 
     def equations(self) -> Equations:
         """Sum everything up."""
-        results = [(instance, self.call(instance)) for instance in self.model.instances]
-        forces = {name: ca.SX.zeros(3) for name in self.bodies}
-        for instance, result in results:
-            for i, name in enumerate(instance.bodies):
-                forces[name] = forces[name] + self._load(instance, result, i)
-        carried = Joints(self).carry(forces)
-        self.forces = Joints(self).turned_about_mass(carried)
-        reports = list(self._reports(results, self.forces))
-        borders = {i.bind["hold"]: result["out_border"] for i, result in results if "out_border" in result}
+        instances = enumerate(self.model.instances, start=1)
+        self.results = [(instance, self.call(instance, f"#{number}")) for number, instance in instances]
+        self.sum_up((instance, self._loads(instance, result)) for instance, result in self.results)
+        reports, rates = list(self._reports()), self.rates()
+        borders = {i.bind["hold"]: result["out_border"] for i, result in self.results if "out_border" in result}
         return Equations(
-            self.x, self.s, self.p, self.states, tuple(self.level),
+            self.x, self.s, self.p, self.states, tuple(self.levels),
             tuple((q.name, q.unit) for q in self.model.parameters),
-            self._right_hand_side(self.forces), tuple(report for report, _ in reports),
+            ca.vertcat(*(rates[state.name] for state in self.states)), tuple(report for report, _ in reports),
             ca.vertcat(*(value for _, value in reports)), self._phases(), tuple(borders),
-            ca.vertcat(*borders.values()), self._energy(results, self.forces), forces, carried,
-            {b.name: self.position(b) for b in self.model.bodies},
+            ca.vertcat(*borders.values()), self._energy(),
+            _columns(self.acting), _columns(self.carried),
+            _columns({b.name: self.ground(b)[0] for b in self.model.bodies}),
             {b.name: self.angle(b) for b in self.model.bodies},
         )  # fmt: skip
 
-    @staticmethod
-    def _load(instance: Instance, result: dict[str, Any], number: int) -> ca.SX:
-        """Return force and torque that an element puts on the port of a number."""
-        element = make(instance.element)
-        loads = dict(zip(element.freedoms, ca.vertsplit(result["force"]), strict=True))
-        load: ca.SX = ca.vertcat(*(loads.get((element.ports[number], axis), ca.SX(0)) for axis in PLANE))
-        return load
+    def _loads(self, instance: Instance, result: dict[str, Any]) -> list[list[ca.SX]]:
+        """Return force and torque that an element puts on each of its ports."""
+        return self.on_ports(make(instance.element), ca.vertsplit(result["force"]))
 
-    def _reference_acceleration(self, forces: dict[str, ca.SX]) -> Any:  # noqa: ANN401
-        """Return phi'': zero for a held speed, a signal for one over time, else the reference member's own."""
-        for body in self.model.bodies:
-            if body.turning == "reference":
-                return forces[body.name][2] / Joints(self).inertia(body)
-        return self.number.get("reference.acceleration", ca.SX(0))
+    # --- outputs
 
-    def _drive_torque(self, body: Body) -> Any:  # noqa: ANN401
-        """Return the torque that holds a body's speed: against what acts on it, and for its acceleration."""
-        own = Joints(self).inertia(body) * self.ratio(body) * self._reference_acceleration(self.forces)
-        return own - self.forces[body.name][2]
-
-    def _right_hand_side(self, forces: dict[str, ca.SX]) -> ca.SX:
-        """Return x' in the order of the states."""
-        phi_dd = self._reference_acceleration(forces)
-        rate = {"reference.angle": self.speed, "reference.speed": phi_dd}
-        for body in self.model.bodies:
-            acceleration = self._acceleration(body, forces[body.name], phi_dd)
-            for axis in self.axes(body):
-                rate[f"{body.name}.{axis}"] = self.value[f"{body.name}.{axis}.rate"]
-                rate[f"{body.name}.{axis}.rate"] = acceleration[f"a{axis}"]
-        right: ca.SX = ca.vertcat(*(rate[state.name] for state in self.states))
-        return right
-
-    def _acceleration(self, body: Body, force: ca.SX, phi_dd: Any) -> dict[str, Any]:  # noqa: ANN401
-        """Return a body's accelerations in its frame."""
-        (x, y, _), (vx, vy, _) = self.motion(body)
-        ratio = self.model.frames[body.frame]
-        fx, fy = force[0], force[1]
-        if body.moment is not None:
-            fx, fy = Joints(self).unbalance(body, fx, fy, self._spin(body, phi_dd))
-        given = {
-            "x": x, "y": y, "vx": vx, "vy": vy, "fx": fx, "fy": fy, "torque": force[2],
-            "m": self.number.get(body.mass or "", ca.SX(1)),
-            "inertia": Joints(self).inertia(body) if body.inertia else ca.SX(1), "ratio": self.ratio(body),
-            "frame_ratio": self.number[ratio] if ratio else ca.SX(0), "phi_d": self.speed, "phi_dd": phi_dd,
-        }  # fmt: skip
-        result: dict[str, Any] = body_function(self.derivation)(**given)
-        return result
-
-    def _spin(self, body: Body, phi_dd: Any) -> Any:  # noqa: ANN401
-        """Return a body's absolute angular acceleration."""
-        lead = self.bodies[body.leader or body.name]
-        rigid = self.ratio(body) * phi_dd
-        if lead.turning != "free":
-            return rigid
-        return rigid + self.forces[lead.name][2] / Joints(self).inertia(lead) - self.ratio(lead) * phi_dd
-
-    def _reports(
-        self, results: list[tuple[Instance, dict[str, Any]]], forces: dict[str, ca.SX]
-    ) -> Iterator[tuple[Report, Any]]:
+    def _reports(self) -> Iterator[tuple[Report, Any]]:
         """List the outputs: of elements, of mesh phases, of bodies."""
-        rolling: dict[str, tuple[Any, bool]] = {}
-        for instance, result in results:
-            element = make(instance.element)
-            if "force_x" in element.outputs:
-                beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
-                result["out_force_x"], result["out_force_y"] = rotate(
-                    beta, result["out_force_x"], result["out_force_y"]
-                )
-            for name, output in element.outputs.items():
-                if output.quantity:
-                    axis = output.axis.name if output.axis else ""
-                    yield (
-                        Report(output.quantity, instance.item, output.unit, element.joins, axis),
-                        result[f"out_{name}"],
-                    )
+        rolling: dict[str, tuple[str, Any, bool]] = {}
+        for number, (instance, result) in enumerate(self.results, start=1):
+            yield from self._element_reports(instance, make(instance.element), result)
             if "out_rolling" in result:
-                rolling[instance.name] = result["out_rolling"], SLOPE in instance.bind.values()
+                rolling[instance.name] = f"#{number}", result["out_rolling"], SLOPE in instance.bind.values()
         for phase in self.model.phases:
             if phase.name in rolling:
                 yield from self._phase_reports(phase, *rolling[phase.name])
         for body in self.model.bodies:
-            yield from self._body_reports(body, forces[body.name])
+            yield from self._shift_reports(body)
+            yield from self._turn_reports(body)
 
-    def _phase_reports(self, phase: Phase, rolling: Any, by_gear: bool) -> Iterator[tuple[Report, Any]]:  # noqa: ANN401
+    def _element_reports(
+        self, instance: Instance, element: Element, result: dict[str, Any]
+    ) -> Iterator[tuple[Report, Any]]:
+        """List what an element reports, components of a force in inertial axes."""
+        turned = {}
+        if "force_x" in element.outputs:
+            beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
+            turned = dict(zip("xy", self.rotate(beta, result["out_force_x"], result["out_force_y"]), strict=True))
+        for name, output in element.outputs.items():
+            axis = output.axis.name if output.axis else ""
+            if output.quantity:
+                value = turned[axis] if axis else result[f"out_{name}"]
+                yield Report(output.quantity, instance.item, output.unit, element.joins, axis), value
+
+    def _phase_reports(self, phase: Phase, tag: str, rolling: Any, by_gear: bool) -> Iterator[tuple[Report, Any]]:  # noqa: ANN401
         """List the phase by which a mesh's stiffness varies, and that of gear 1's own motion."""
-        own = self._gear_phase(phase, rolling)
-        yield Report("mesh_phase", phase.name, "", "mesh"), own if by_gear else self.mesh_phase_of(phase.name)
+        own = self.gear_phase(phase, rolling, tag)
+        yield Report("mesh_phase", phase.name, "", "mesh"), own if by_gear else self.phase_of(phase.name)
         yield Report("gear_phase", phase.name, "", "mesh"), own
 
-    def _body_reports(self, body: Body, force: ca.SX) -> Iterator[tuple[Report, Any]]:
-        """List what a body shows: acceleration and displacement, speed and twist, the torque that drives it."""
+    def _shift_reports(self, body: Body) -> Iterator[tuple[Report, Any]]:
+        """List acceleration, velocity and displacement of a body that can move sideways."""
         if body.lateral:
             beta, _ = self.frame_turn(body)
-            mass = self.number[body.mass or ""]
-            fx, fy = force[0], force[1]
-            if body.moment is not None:
-                fx, fy = Joints(self).unbalance(
-                    body, fx, fy, self._spin(body, self._reference_acceleration(self.forces))
-                )
-            for axis, value in zip("xy", rotate(beta, fx / mass, fy / mass), strict=True):
+            mass, (fx, fy) = self.mass(body), self.push(body)
+            for axis, value in zip("xy", self.rotate(beta, fx / mass, fy / mass), strict=True):
                 yield Report(f"acceleration_{axis}", body.name, "m/s^2", "member", axis), value
-            for axis, value in zip("xy", self.velocity(body), strict=True):
+            for axis, value in zip("xy", self.ground(body)[1], strict=False):
                 yield Report(f"velocity_{axis}", body.name, "m/s", "member", axis), value
             for axis in "xy":
-                yield Report(f"displacement_{axis}", body.name, "m", "member", axis), self.value[f"{body.name}.{axis}"]
+                place = self.coordinate(body, axis)[0]
+                yield Report(f"displacement_{axis}", body.name, "m", "member", axis), place
+
+    def _turn_reports(self, body: Body) -> Iterator[tuple[Report, Any]]:
+        """List speed, twist and angular acceleration of a body, and the torque that drives it."""
         if self.bodies[body.leader or body.name].turning != "held" and body.turning != "point":
             deviation, rate = self.twist(body)
-            yield Report("speed", body.name, "rad/s", "rotor"), self.ratio(body) * self.speed + rate
+            yield Report("speed", body.name, "rad/s", "rotor"), self.ratio(body.ratio) * self.speed + rate
             yield Report("twist", body.name, "rad", "rotor"), deviation
-            turning = self._spin(body, self._reference_acceleration(self.forces))
-            yield Report("angular_acceleration", body.name, "rad/s^2", "rotor"), turning
+            yield Report("angular_acceleration", body.name, "rad/s^2", "rotor"), self.spin(body)
         if body.turning == "driven":
-            yield Report("drive_torque", body.name, "N*m", "drive"), self._drive_torque(body)
+            yield Report("drive_torque", body.name, "N*m", "drive"), self.drive_torque(body)
 
     def _phases(self) -> tuple[ca.SX, ca.SX, ca.SX]:
         """Return phase, phase rate and share of single contact of every level (eqs 9-11)."""
-        zero = ca.SX(0)
-        rates = [self.number[level.rate] if level.rate else zero for level in self.model.levels]
-        starts = [self.number[level.start] for level in self.model.levels]
+        rates = [self.numbers[level.rate] if level.rate else self.zero for level in self.model.levels]
+        starts = [self.numbers[level.start] for level in self.model.levels]
         tau = [rate * self.phi + start for rate, start in zip(rates, starts, strict=True)]
         return (
             ca.vertcat(*tau),
             ca.vertcat(*(rate * self.speed for rate in rates)),
-            ca.vertcat(*(self.number[level.share] for level in self.model.levels)),
+            ca.vertcat(*(self.numbers[level.share] for level in self.model.levels)),
         )
 
-    def _energy(self, results: list[tuple[Instance, dict[str, Any]]], forces: dict[str, ca.SX]) -> ca.SX:
+    # --- energy
+
+    def _energy(self) -> Any:  # noqa: ANN401
         """Return kinetic and strain energy, that of weight, power put in by loads and drives, power lost."""
-        kinetic = strain = weight = given = lost = ca.SX(0)
+        kinetic = strain = weight = given = lost = self.zero
         for body in self.model.bodies:
             _, (vx, vy, w) = self.port(body, "absolute")
             if body.lateral:
-                kinetic += self.number[body.mass or ""] * (vx**2 + vy**2) / 2
+                kinetic += self.mass(body) * (vx**2 + vy**2) / 2
             if body.moment is not None:
-                sx, sy = Joints(self).moment(body)
+                sx, sy = self.moment(body)
                 kinetic += w * (vy * sx - vx * sy)
             if body.inertia is not None:
-                kinetic += self.number[body.inertia] * w**2 / 2
+                kinetic += self.numbers[body.inertia] * w**2 / 2
             if body.turning == "driven":
-                given += self._drive_torque(body) * w
-        for instance, result in results:
+                given += self.drive_torque(body) * w
+        for instance, result in self.results:
             if make(instance.element).load:
-                _, (_, _, w) = self.port(self.bodies[instance.bodies[0]], "absolute")
-                given += self._load(instance, result, 0)[2] * w
+                given += self._power(instance, result)
             elif instance.group == "gravity":
                 weight += result["potential"]
             else:
@@ -361,29 +275,36 @@ class _Assembly(Kinematics):
                     given, lost = given + put_in, lost - booked
         return ca.vertcat(kinetic, strain, weight, given, lost)
 
+    def _power(self, instance: Instance, result: dict[str, Any]) -> Any:  # noqa: ANN401
+        """Return the power that an element of one body gives to it, by its motion against the ground."""
+        rates = self.port(self.bodies[instance.bodies[0]], "absolute")[1]
+        return ca.dot(ca.vertcat(*self._loads(instance, result)[0]), ca.vertcat(*rates))
+
     def _loss(self, instance: Instance, result: dict[str, Any]) -> Any:  # noqa: ANN401
         """Return the power that an element takes; one that sees deviations works against the rigid motion too."""
-        if make(instance.element).rates != "deviation":
-            return result["loss"]
-        body = self.bodies[instance.bodies[0]]
-        return -ca.dot(self._load(instance, result, 0), ca.vertcat(*self.port(body, "absolute")[1]))
+        return -self._power(instance, result) if make(instance.element).rates == "deviation" else result["loss"]
 
     def _parametric(self, instance: Instance, result: dict[str, Any]) -> tuple[Any, Any]:
         """Return the power [W] put in by stiffness and errors that vary with the nominal phase.
 
         The second value is the part of it that the damper's loss, taken by the bodies' motion alone, counts too.
         """
-        special, power, booked = self._special(instance), ca.SX(0), ca.SX(0)
-        used = set(instance.bind.values())
+        power = booked = self.zero
+        mesh, used = instance.name.removesuffix(BACK), set(instance.bind.values())
         if STIFFNESS in used and SLOPE not in used:
-            slope = special[SLOPE] * self.mesh_rate_of(instance.name.removesuffix(BACK))
-            power += result["potential"] / special[STIFFNESS] * slope
+            stiffness, slope = self.stiffness(mesh)
+            power += result["potential"] / stiffness * (slope * self.phase_rate(mesh))
         if ERROR in used:
-            power -= result["out_force"] * special[ERROR_RATE]
-            booked = result["out_damper"] * special[ERROR_RATE]
+            power -= result["out_force"] * self.error_rate(instance)
+            booked = result["out_damper"] * self.error_rate(instance)
         return power, booked
 
 
-def _along(axes: Iterable[Axis], values: Sequence[Any]) -> list[Any]:
-    """Return the values of some axes, out of those of all."""
-    return [values[PLANE.index(axis)] for axis in axes]
+def _columns(vectors: dict[str, list[Any]]) -> dict[str, Any]:
+    """Return vectors as columns."""
+    return {name: ca.vertcat(*vector) for name, vector in vectors.items()}
+
+
+def _inertia(body: Body, axis: str) -> str:
+    """Return the parameter that is the inertia along an axis."""
+    return (body.inertia if DEVIATIONS[axis].rotation else body.mass) or ""

@@ -7,10 +7,17 @@ rotation. So nothing that is integrated, except phi itself, grows with the numbe
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import sympy as sp
 
 from ..elements.base import positive, real
+
+
+def rotate(angle: Any, x: Any, y: Any, functions: Any) -> list[Any]:  # noqa: ANN401
+    """Turn a vector by an angle; ``functions`` is the library, CasADi or SymPy, whose cosine and sine are meant."""
+    cos, sin = functions.cos(angle), functions.sin(angle)
+    return [cos * x - sin * y, sin * x + cos * y]
 
 
 @dataclass(frozen=True)

@@ -1,111 +1,176 @@
-"""Kinematics in CasADi: states, position and rates of every body in its frame and against the ground."""
+"""Kinematics: position and rates of every body in its frame and against the ground.
 
+Written once, over whatever states and numbers are: graphs of CasADi, of which the C is made, or symbols of SymPy,
+which the book prints.
+"""
+
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import Any
 
-import casadi as ca
-from ltcgear.generated.contract import State
+from ..elements.axes import PLANE
+from ..elements.base import Element, Port
+from .frames import rotate
+from .model import Body, Instance, Model
 
-from .joints import rotate
-from .model import Body, Model
+Value = Any  # CasADi's SX or SymPy's Expr
+LETTERS = {"x": ("x", "v_x"), "y": ("y", "v_y"), "u": ("u", "u_d")}
+"""Freedom -> letter of its coordinate and of the rate."""
 
 
-class Kinematics:
-    """The symbols of a model and the motion of its bodies, in turning frames or in inertial coordinates."""
+class Kinematics(ABC):
+    """Motion of the bodies of a model, in turning frames or in inertial coordinates.
 
-    def __init__(self, model: Model, derivation: str, basis: str) -> None:
-        self.model, self.derivation, self.basis = model, derivation, basis
+    A subclass says what states and parameters are. Letters are those of the book; what belongs to a body or a mesh
+    carries its name behind ``@``, what belongs to an element its number behind ``#``.
+
+    Attributes
+    ----------
+    functions
+        The library whose ``cos``, ``sin`` and ``pi`` are meant.
+    zero
+        Its zero.
+    basis
+        ``frame``, or ``inertial``: what elements see positions in.
+    """
+
+    functions: Any
+    zero: Value
+    basis = "frame"
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
         self.bodies = {body.name: body for body in model.bodies}
-        self.p = ca.SX.sym("p", len(model.parameters))
-        self.number = {q.name: self.p[i] for i, q in enumerate(model.parameters)}
-        self.s = ca.SX.sym("s", len(model.levels) + len(model.signals))
-        self.level = {level.name: self.s[i] for i, level in enumerate(model.levels)}
-        self.number |= {signal.name: self.s[len(self.level) + i] for i, signal in enumerate(model.signals)}
-        self.states = tuple(self._states())
-        self.x = ca.SX.sym("x", len(self.states))
-        self.value = {state.name: self.x[i] for i, state in enumerate(self.states)}
-        self.phi = self.value.get("reference.angle", ca.SX(0))
-        self.start = {(c.ratio, c.frame): self.number[c.start] for c in model.clocks if not c.mesh}
-        self.speed = self.value.get("reference.speed", self.number.get("reference.speed", ca.SX(0)))
+        self.signals = {signal.name for signal in model.signals}
+        self.starts = {(clock.ratio, clock.frame): clock.start for clock in model.clocks if not clock.mesh}
+        self.lead = next((body for body in model.bodies if body.turning == "reference"), None)
 
-    def _states(self) -> Iterator[State]:
-        """List the states: reference angle, deviations, (reference speed), rates of the deviations."""
-        moving = [(body, axis) for body in self.model.bodies for axis in self.axes(body)]
-        lead = next((body for body in self.model.bodies if body.turning == "reference"), None)
-        if self.model.reference != "rest":
-            yield State("reference.angle", "rad", lead.name if lead else "", "theta", "", "reference angle")
-        for body, axis in moving:
-            yield State(
-                f"{body.name}.{axis}",
-                "rad" if axis == "u" else "m",
-                body.name,
-                axis,
-                self._inertia(body, axis),
-                "deviation",
-            )
-        if lead is not None:
-            yield State("reference.speed", "rad/s", lead.name, "theta", lead.inertia or "", "reference speed")
-        for body, axis in moving:
-            unit = "rad/s" if axis == "u" else "m/s"
-            yield State(f"{body.name}.{axis}.rate", unit, body.name, axis, self._inertia(body, axis), "rate")
+    @abstractmethod
+    def state(self, name: str, letter: str) -> Value:
+        """Return a state."""
 
-    @staticmethod
-    def axes(body: Body) -> tuple[str, ...]:
-        """Return the axes along which a body moves on its own."""
-        return body.freedoms
+    @abstractmethod
+    def number(self, name: str, letter: str) -> Value:
+        """Return a parameter or load signal."""
 
-    @staticmethod
-    def _inertia(body: Body, axis: str) -> str:
-        """Return the parameter that is the inertia along an axis."""
-        return (body.inertia if axis == "u" else body.mass) or ""
+    def keep(self, letter: str, owner: str, value: Value) -> Value:
+        """Return a quantity that may get a letter of its own; ``owner`` is the body, mesh or element it belongs to."""
+        return value
 
-    def frame_turn(self, body: Body) -> tuple[Any, Any]:
+    # --- reference and frames
+
+    @property
+    def phi(self) -> Value:
+        """Return the reference angle [rad]."""
+        return self.zero if self.model.reference == "rest" else self.state("reference.angle", "phi")
+
+    @property
+    def speed(self) -> Value:
+        """Return the reference speed [rad/s]: a state, a signal or a number."""
+        if self.model.reference == "rest":
+            return self.zero
+        return (self.number if self.lead is None else self.state)("reference.speed", "phi_d")
+
+    def ratio(self, name: str | None) -> Value:
+        """Return a speed over the reference speed."""
+        return self.number(name, f"rho@{name.removesuffix('.speed_ratio')}") if name else self.zero
+
+    def _start(self, ratio: str | None, frame: str | None) -> Value:
+        """Return the angle from which something turns [rad]."""
+        start = self.starts.get((ratio or "", frame or ""))
+        if start is None or ratio is None:
+            return self.zero
+        return self.number(start, f"beta_0@{start.removesuffix('.start_angle')}")
+
+    def frame_turn(self, body: Body) -> tuple[Value, Value]:
         """Return angle and speed of a body's frame."""
         ratio = self.model.frames[body.frame]
-        if ratio is None:
-            return ca.SX(0), ca.SX(0)
-        start = self.start.get((ratio, ""), 0)
-        return self.number[ratio] * self.phi + start, self.number[ratio] * self.speed
+        return self.ratio(ratio) * self.phi + self._start(ratio, None), self.ratio(ratio) * self.speed
 
-    def twist(self, body: Body) -> tuple[Any, Any]:
+    def in_basis(self, body: Body, x: Value, y: Value) -> list[Value]:
+        """Turn a vector from a body's frame into the basis of the forces."""
+        return [x, y] if self.basis == "frame" else self.rotate(self.frame_turn(body)[0], x, y)
+
+    def rotate(self, angle: Value, x: Value, y: Value) -> list[Value]:
+        """Turn a vector by an angle."""
+        return rotate(angle, x, y, self.functions)
+
+    # --- bodies
+
+    def moving(self) -> Iterator[tuple[Body, str]]:
+        """List all freedoms but the reference."""
+        yield from ((body, axis) for body in self.model.bodies for axis in body.freedoms)
+
+    def coordinate(self, body: Body, axis: str) -> tuple[Value, Value]:
+        """Return a coordinate of a body and its rate, zero where it has none."""
+        if axis not in body.freedoms:
+            return self.zero, self.zero
+        state, (here, rate) = f"{body.name}.{axis}", LETTERS[axis]
+        return self.state(state, f"{here}@{body.name}"), self.state(f"{state}.rate", f"{rate}@{body.name}")
+
+    def twist(self, body: Body) -> tuple[Value, Value]:
         """Return a body's deviation of angle and its rate, which are its leader's where it has one."""
-        name = body.leader or body.name
-        return self.value.get(f"{name}.u", ca.SX(0)), self.value.get(f"{name}.u.rate", ca.SX(0))
+        return self.coordinate(self.bodies[body.leader or body.name], "u")
 
-    def motion(self, body: Body) -> tuple[list[Any], list[Any]]:
-        """Return a body's position and rates in its frame."""
-        u, w = self.twist(body)
-        if body.seat is not None:
-            (x, y, _), (vx, vy, _) = self.motion(self.bodies[body.seat])
-            turning = self.turning(self.bodies[body.seat])[1]
-            ax, ay = self.arm(body)
-            return [x + ax, y + ay, u], [vx - turning * ay, vy + turning * ax, w]
-        x, y = (self.value.get(f"{body.name}.{axis}", ca.SX(0)) for axis in "xy")
-        vx, vy = (self.value.get(f"{body.name}.{axis}.rate", ca.SX(0)) for axis in "xy")
-        if body.place is not None:
-            x, y = x + self.number[body.place[0]], y + self.number[body.place[1]]
-        return [x, y, u], [vx, vy, w]
-
-    def turning(self, body: Body) -> tuple[Any, Any]:
+    def turning(self, body: Body) -> tuple[Value, Value]:
         """Return by how much a body has turned in its frame, and how fast it turns there."""
         (u, w), frame = self.twist(body), self.model.frames[body.frame]
         if body.ratio == frame:
             return u, w
-        relative = self.ratio(body) - (self.number[frame] if frame else 0)
-        start = self.start.get((body.ratio or "", frame or ""), 0)
-        return relative * self.phi + (start + u), relative * self.speed + w
+        relative = self.ratio(body.ratio) - self.ratio(frame)
+        return relative * self.phi + (self._start(body.ratio, frame) + u), relative * self.speed + w
 
-    def ratio(self, body: Body) -> Any:  # noqa: ANN401
-        """Return a body's speed over the reference speed."""
-        return self.number[body.ratio] if body.ratio else ca.SX(0)
+    def place(self, body: Body) -> tuple[Value, Value]:
+        """Return the nominal place of a body in its frame, or on its seat."""
+        assert body.place is not None
+        return self.number(body.place[0], f"x_0@{body.name}"), self.number(body.place[1], f"y_0@{body.name}")
 
-    def arm(self, body: Body) -> list[Any]:
+    def arm(self, body: Body) -> list[Value]:
         """Return the arm [m] from the centre of a body's seat to its own, in its frame."""
         assert body.seat is not None
-        assert body.place is not None
-        return rotate(self.turning(self.bodies[body.seat])[0], *(self.number[name] for name in body.place))
+        ax, ay = self.rotate(self.turning(self.bodies[body.seat])[0], *self.place(body))
+        return [self.keep(f"a_x@{body.name}", body.name, ax), self.keep(f"a_y@{body.name}", body.name, ay)]
 
-    def port(self, body: Body, rates: str) -> tuple[list[Any], list[Any]]:
+    def motion(self, body: Body) -> tuple[list[Value], list[Value]]:
+        """Return a body's position and rates in its frame."""
+        u, w = self.twist(body)
+        if body.seat is not None:
+            x, y, vx, vy = self._seated(body, self.bodies[body.seat])
+        else:
+            (x, vx), (y, vy) = self.coordinate(body, "x"), self.coordinate(body, "y")
+            if body.place is not None:
+                x, y = (here + nominal for here, nominal in zip((x, y), self.place(body), strict=True))
+        return [x, y, u], [vx, vy, w]
+
+    def _seated(self, body: Body, below: Body) -> list[Value]:
+        """Return place and velocity of what sits on another body."""
+        (x, y, _), (vx, vy, _) = self.motion(below)
+        turning = self.turning(below)[1]
+        ax, ay = self.arm(body)
+        found = {"X": x + ax, "Y": y + ay, "V_x": vx - turning * ay, "V_y": vy + turning * ax}
+        return [self.keep(f"{letter}@{body.name}", body.name, value) for letter, value in found.items()]
+
+    def angle(self, body: Body) -> Value:
+        """Return a body's absolute angle."""
+        return self.ratio(body.ratio) * self.phi + self.twist(body)[0]
+
+    # --- as elements see them
+
+    def seen(self, element: Element, instance: Instance) -> dict[Any, Value]:
+        """Return what the symbols of an element's ports are."""
+        found: dict[Any, Value] = {}
+        for port, name in zip(element.ports, instance.bodies, strict=True):
+            found |= self._on_port(port, *self.port(self.bodies[name], element.rates))
+        return found
+
+    @staticmethod
+    def _on_port(port: Port, at: list[Value], rates: list[Value]) -> dict[Any, Value]:
+        """Return what the symbols of a port are, given all coordinates and rates of its body."""
+        whole = dict(zip(PLANE, zip(at, rates, strict=True), strict=True))
+        here = {port.coordinate(axis): whole[axis][0] for axis in port.axes}
+        return here | {port.rate(axis): whole[axis][1] for axis in port.axes}
+
+    def port(self, body: Body, rates: str) -> tuple[list[Value], list[Value]]:
         """Return the position and the rates that an element sees of a body, in the basis chosen."""
         (x, y, u), (vx, vy, w) = self.motion(body)
         if rates == "frame" and self.basis == "frame":
@@ -113,31 +178,20 @@ class Kinematics:
         if rates == "deviation":
             return self._turned(body, [x, y, u], [vx, vy, w])
         beta, turn = self.frame_turn(body)
-        vx, vy, w = vx - turn * y, vy + turn * x, w + self.ratio(body) * self.speed
+        vx, vy, w = vx - turn * y, vy + turn * x, w + self.ratio(body.ratio) * self.speed
         if self.basis == "frame":
             return [x, y, u], [vx, vy, w]
-        return [*rotate(beta, x, y), u + self.ratio(body) * self.phi], [*rotate(beta, vx, vy), w]
+        return [*self.rotate(beta, x, y), u + self.ratio(body.ratio) * self.phi], [*self.rotate(beta, vx, vy), w]
 
-    def _turned(self, body: Body, at: list[Any], rates: list[Any]) -> tuple[list[Any], list[Any]]:
+    def _turned(self, body: Body, at: list[Value], rates: list[Value]) -> tuple[list[Value], list[Value]]:
         """Return position and rates in the frame, resolved in the basis chosen."""
         if self.basis == "frame":
             return at, rates
         beta, _ = self.frame_turn(body)
-        return [*rotate(beta, *at[:2]), self.angle(body)], [*rotate(beta, *rates[:2]), rates[2]]
+        return [*self.rotate(beta, *at[:2]), self.angle(body)], [*self.rotate(beta, *rates[:2]), rates[2]]
 
-    def position(self, body: Body) -> ca.SX:
-        """Return a body's position in inertial axes."""
-        (x, y, _), _ = self.motion(body)
-        position: ca.SX = ca.vertcat(*rotate(self.frame_turn(body)[0], x, y))
-        return position
-
-    def angle(self, body: Body) -> Any:  # noqa: ANN401
-        """Return a body's absolute angle."""
-        return self.ratio(body) * self.phi + self.twist(body)[0]
-
-    def velocity(self, body: Body) -> list[Any]:
-        """Return a body's velocity against the ground, in inertial axes."""
-        chosen, self.basis = self.basis, "inertial"
-        _, (vx, vy, _) = self.port(body, "absolute")
-        self.basis = chosen
-        return [vx, vy]
+    def ground(self, body: Body) -> tuple[list[Value], list[Value]]:
+        """Return a body's position and its velocity against the ground, in inertial axes."""
+        beta, turn = self.frame_turn(body)
+        (x, y, _), (vx, vy, _) = self.motion(body)
+        return self.rotate(beta, x, y), self.rotate(beta, vx - turn * y, vy + turn * x)

@@ -185,6 +185,11 @@ class Model:
     tables: dict[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
     clocks: tuple[Clock, ...] = ()
 
+    @property
+    def has_turning_frame(self) -> bool:
+        """Tell whether a body is described in a frame that turns."""
+        return any(self.frames[body.frame] is not None for body in self.bodies)
+
     def structure(self) -> str:
         """Return all that shapes the C, as canonical JSON: no title, no number."""
         shape = {key: value for key, value in vars(self).items() if key not in UNSHAPED}
