@@ -10,7 +10,7 @@ from typing import Any
 import sympy as sp
 
 from ..elements.base import real
-from ..mechanics.balances import Balances
+from ..mechanics.body_balances import Balances
 from ..mechanics.frames import FrameMotion
 from ..mechanics.model import SLOPE, Instance, Model, Profile
 from . import waves

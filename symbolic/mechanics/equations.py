@@ -14,7 +14,7 @@ from ltcgear.generated.contract import BACK, VARYING, Report, State
 from ..elements.axes import DEVIATIONS
 from ..elements.base import Element
 from ..elements.element_types import make
-from .balances import Balances
+from .body_balances import Balances
 from .lower import body_function, element_function
 from .model import ERROR, SLOPE, STIFFNESS, Body, Instance, Model, Phase, Profile
 from .profiles import evaluate
