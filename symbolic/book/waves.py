@@ -9,17 +9,13 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from ..elements.base import positive, real
+from ..elements.base import real
 from ..elements.tooth_pairs import Wrapped
-from ..mechanics.profiles import KINDS, ProfileFunctions
+from ..mechanics.profiles import KINDS, ProfileFunctions, ProfileKind
 
 TAU, LEVEL = real("tau"), real("level")
-K1, K2, MEAN = positive("k_1"), positive("k_2"), real("k_mean")
-SHARE, WIDTH = positive("varsigma"), positive("width")
-SIZE, TOOTH, TEETH, VALUE = real("size"), real("tooth"), positive("teeth"), real("value")
 COS, SIN, ORDER = sp.IndexedBase("a"), sp.IndexedBase("b"), sp.Symbol("n", integer=True, positive=True)
 COUNT = sp.Symbol("H", integer=True, positive=True)
-ARCS = tuple(tuple(real(f"c_{i}{mark}") for i in range(3)) for mark in ("", "'"))
 ZETA = real("zeta")
 
 
@@ -80,23 +76,15 @@ PRINTED = ProfileFunctions(
 def _amplitudes(count: int) -> tuple[sp.Expr, ...]:
     """Return mean and amplitudes, a_1, b_1, a_2, ..."""
     pairs = [pair for n in range(1, (count - 1) // 2 + 1) for pair in (COS[n], SIN[n])]
-    return (MEAN, *pairs)
+    return (real("k_mean"), *pairs)
 
 
-_LETTERS: dict[str, tuple[sp.Expr, ...]] = {
-    "smooth": (K1, K2, SHARE, WIDTH),
-    "series": (MEAN,),
-    "arcs": (SHARE, *ARCS[0], *ARCS[1]),
-    "tooth": (SIZE, TOOTH, TEETH, SHARE),
-    "constant": (VALUE,),
-}
-
-
-def _wave(kind: str, letters: tuple[sp.Expr, ...]) -> Wave:
+def _wave(name: str, kind: ProfileKind) -> Wave:
     """Write a kind of profile in its letters."""
-    formula = KINDS[kind].value(PRINTED, TAU, LEVEL, *letters)
-    return Wave(KINDS[kind].title, formula, _amplitudes if kind == "series" else lambda count: letters)
+    letters = tuple(map(real, kind.letters))
+    formula = kind.value(PRINTED, TAU, LEVEL, *letters)
+    return Wave(kind.title, formula, _amplitudes if name == "series" else lambda count: letters)
 
 
-WAVES = {kind: _wave(kind, letters) for kind, letters in _LETTERS.items()}
+WAVES = {name: _wave(name, kind) for name, kind in KINDS.items()}
 """Kind of profile -> how it is printed."""

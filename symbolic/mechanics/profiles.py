@@ -52,6 +52,8 @@ class ProfileKind:
     ----------
     title
         What it is.
+    letters
+        Letters of its numbers in the book; amplitudes, of which there may be any number, are left out.
     value
         (functions, tau, level, *numbers) -> value at a phase.
     mean
@@ -59,6 +61,7 @@ class ProfileKind:
     """
 
     title: str
+    letters: tuple[str, ...]
     value: Callable[..., Value]
     mean: Callable[..., Value]
 
@@ -106,12 +109,15 @@ def _arcs_mean(share: Value, *c: Value) -> Value:
     return share * (c[0] + c[2] * share**2 / 12) + (1 - share) * (c[3] + c[5] * (1 - share) ** 2 / 12)
 
 
+_PARABOLAS = tuple(f"c_{i}{mark}" for mark in ("", "'") for i in range(3))
 KINDS: dict[str, ProfileKind] = {
-    "smooth": ProfileKind("two levels with smooth transitions", _smooth, _smooth_mean),
-    "series": ProfileKind("mean and harmonics", _series, lambda mean, *amplitudes: mean),
-    "arcs": ProfileKind("parabolas over single and double contact", _arcs, _arcs_mean),
-    "tooth": ProfileKind("error of a single tooth", _tooth, lambda *numbers: 0),
-    "constant": ProfileKind("constant, of a pin out of place", _constant, lambda size: size),
+    "smooth": ProfileKind(
+        "two levels with smooth transitions", ("k_1", "k_2", "varsigma", "width"), _smooth, _smooth_mean
+    ),
+    "series": ProfileKind("mean and harmonics", ("k_mean",), _series, lambda mean, *amplitudes: mean),
+    "arcs": ProfileKind("parabolas over single and double contact", ("varsigma", *_PARABOLAS), _arcs, _arcs_mean),
+    "tooth": ProfileKind("error of a single tooth", ("size", "tooth", "teeth", "varsigma"), _tooth, lambda *numbers: 0),
+    "constant": ProfileKind("constant, of a pin out of place", ("value",), _constant, lambda size: size),
 }
 """Kinds of profiles by name."""
 
