@@ -113,8 +113,6 @@ class Element:
 
     Attributes
     ----------
-    name
-        Type name, unique for a structure (not for an instance).
     title
         Plain name in the field, options left out.
     joins
@@ -140,7 +138,6 @@ class Element:
         False where the housing takes a part that is not written, so that the ports alone are not in balance.
     """
 
-    name: str
     title: str
     joins: str
     ports: tuple[Port, ...]
