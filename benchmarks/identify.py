@@ -21,7 +21,7 @@ from ltcgear.runtime.linear.sensitivity import differentiate_modes
 from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library, build
-from ltcgear.runtime.results.statistics import group_of
+from ltcgear.runtime.results.train_record import group_of
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.table9 import tell_loads
 from ltcgear.symbolic.assembly import build_model

@@ -11,6 +11,7 @@ from ..model.equilibrium import find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs
 from ..model.operating_point import OperatingPoint
+from ..model.parameter_values import name_values
 from ..model.phase_wrapping import Clocks
 from .choose_method import excited_modes
 from .low_pass import BAND
@@ -98,7 +99,7 @@ def reference_speed(point: OperatingPoint, tables: Mapping[str, Pairs] | None = 
     """Return the highest speed of the reference that is given, held, over time or at the start [rad/s]."""
     manifest = point.library.manifest
     names = [state.name for state in manifest.states]
-    number = dict(zip((name for name, _ in manifest.parameters), point.p.tolist(), strict=True))
+    number = name_values(manifest, point.p)
     speeds = [number[name] for name in ("reference.speed",) if manifest.reference == "speed" and name in number]
     speeds += [float(point.at.x[names.index(name)]) for name in ("reference.speed",) if name in names]
     given = [signal.table for signal in manifest.signals if signal.name == "reference.speed"]

@@ -118,10 +118,8 @@ class Backward:
 
 def vibrating(course: Course) -> Vector:
     """Return the sizes of vibrations, zero for the motion of the reference: it is carried along, and no vibration."""
-    names = [state.name for state in course.library.manifest.states]
-    return np.array(
-        [0.0 if name.startswith("reference.") else size for name, size in zip(names, course.scale, strict=True)]
-    )
+    states = course.library.manifest.states
+    return np.array([0.0 if state.is_reference else size for state, size in zip(states, course.scale, strict=True)])
 
 
 def _motion_gradient(library: Library) -> ca.Function:
