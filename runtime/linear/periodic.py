@@ -13,12 +13,13 @@ from ltcgear.generated.contract import Clock
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from ..model.equilibrium import Equilibrium, find_equilibrium
+from ..model.equilibrium import find_equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
 from ..model.members import Train, train_of
 from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import Clocks
+from ..model.state_matrix import Equilibrium
 from .system import Linear, linearise
 
 Vector = NDArray[np.float64]

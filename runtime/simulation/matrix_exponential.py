@@ -15,9 +15,9 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from ..model.equilibrium import state_matrix
 from ..model.function import Kernel
 from ..model.operating_point import OperatingPoint
+from ..model.state_matrix import state_matrix
 
 Vector = NDArray[np.float64]
 LINEAR = 1e-9

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..analysis.sharing import group_meshes
+from ..results.signal_errors import STILL
 from ..results.statistics import statistics, steady_start, window
 from ..results.train_record import read_train
-from ..simulation.verify import STILL
 
 if TYPE_CHECKING:
     import xarray as xr

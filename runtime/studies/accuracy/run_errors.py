@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...analysis.sharing import group_meshes
 from ...model.members import train_of
 from ...model.phase_wrapping import Clocks
-from ...simulation.integration import Trajectory
+from ...results.signal_errors import STILL, Signal, compare_signals
 from ...simulation.output_reader import outputs_of
-from ...simulation.verify import STILL, Signal, compare_signals
+from ...simulation.trajectory import Trajectory
 from ..force_comparison import Forces, pair_orders, share_loads
 from ..selftest.case import Bench
 

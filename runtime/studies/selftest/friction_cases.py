@@ -9,7 +9,7 @@ import numpy as np
 from ...model.function import Kernel
 from ...model.members import train_of
 from ...simulation.energy_balance import energy_residual
-from ...simulation.integration import Trajectory
+from ...simulation.trajectory import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .pair import read, read_power_lost
 from .planets import RubbingPlanets

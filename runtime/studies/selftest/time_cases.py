@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from ...linear.modes import find_modes
 from ...linear.system import linearise
-from ...model.equilibrium import Equilibrium
 from ...model.function import Kernel
 from ...model.parameter_values import name_values
-from ...simulation.integration import Trajectory
+from ...model.state_matrix import Equilibrium
 from ...simulation.matrix_exponential import Exact
 from ...simulation.methods.registry import METHODS
+from ...simulation.trajectory import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .case_reading import mesh_forces, off
 

@@ -11,7 +11,8 @@ from ltcgear.generated.errors import CompileError, LtcgearError, SolverError
 from numpy.typing import NDArray
 
 from ...model.cstruct import FAULTS, NEEDED, STAGES, Function, engine
-from ...model.library import Library, load
+from ...model.library import Library
+from ...model.shared_library import load
 from .course import Course, Piece
 
 Vector = NDArray[np.float64]

@@ -22,7 +22,7 @@ from ...results.statistics import STATISTICS as MOTION
 from ...results.statistics import mesh_frequencies, sample_statistics, statistics, steady_start, window
 from ...results.train_record import read_train
 from ...simulation.low_pass import BAND
-from ...simulation.methods.stepper import Counts
+from ...simulation.trajectory import Counts
 
 if TYPE_CHECKING:
     import xarray as xr
