@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from ltcgear.generated import folders
 from ltcgear.runtime.export.solver.dynamics import Dynamics
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.rows import Batch
 from ltcgear.runtime.results.table import Cell, Table
 from ltcgear.runtime.studies.accuracy.machine import describe_machine

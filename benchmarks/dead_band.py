@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.studies.selftest.case import Bench
 from ltcgear.runtime.studies.selftest.dead_band import (

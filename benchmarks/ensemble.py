@@ -14,7 +14,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 from ltcgear.generated import folders
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.simulation.ensemble import simulate_many
 from ltcgear.runtime.studies.accuracy.machine import describe_machine

@@ -8,7 +8,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.view.plots import BLUE, ORANGE
 from ltcgear.symbolic.assembly import build_model

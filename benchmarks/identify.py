@@ -19,9 +19,10 @@ from ltcgear.runtime.linear.modes import Mode, find_modes
 from ltcgear.runtime.linear.naming import describe_modes
 from ltcgear.runtime.linear.sensitivity import differentiate_modes
 from ltcgear.runtime.linear.system import Linear, linearise
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.model.library import Library, build
-from ltcgear.runtime.results.statistics import group_of
+from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.results.train_record import group_of
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.table9 import tell_loads
 from ltcgear.symbolic.assembly import build_model

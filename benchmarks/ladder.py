@@ -8,7 +8,7 @@ from typing import Any
 
 from ltcgear.generated import folders
 from ltcgear.runtime.cli.progress import progress
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.results.table import Cell, Table
 from ltcgear.runtime.studies.cost import ROUNDS, Variant, measure_costs
 from ltcgear.runtime.studies.force_comparison import MEASURES

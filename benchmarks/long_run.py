@@ -9,11 +9,13 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.phase_wrapping import Clocks
-from ltcgear.runtime.simulation.integration import Trajectory, integrate
+from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.output_reader import outputs_of
+from ltcgear.runtime.simulation.trajectory import Trajectory
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.scene.load import load_scene

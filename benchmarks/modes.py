@@ -15,8 +15,9 @@ from ltcgear.generated import store
 from ltcgear.runtime.linear.modes import Mode, find_modes
 from ltcgear.runtime.linear.naming import describe_modes, sum_by
 from ltcgear.runtime.linear.system import Linear, linearise
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.topology import Topology
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.runtime.studies.wu2021.line_origins import forced_name, printed_lines

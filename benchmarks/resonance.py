@@ -14,8 +14,9 @@ from ltcgear.runtime.linear.orders import list_orders
 from ltcgear.runtime.linear.resonance import tell_campbell, tell_response
 from ltcgear.runtime.linear.response import choose_frequencies, respond
 from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.view.figures.resonance_figures import draw_campbell, draw_response
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain

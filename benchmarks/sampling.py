@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from time import thread_time
 
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation.integration import Integration
 from ltcgear.runtime.simulation.run_settings import RunSettings

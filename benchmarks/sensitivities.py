@@ -6,7 +6,8 @@ Run as ``python -m benchmarks.sensitivities``; it writes the tables of docs/sens
 from pathlib import Path
 from typing import Any
 
-from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.building import build
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.studies.sensitivity.items import list_modes, list_output
 from ltcgear.runtime.view.tables.sensitivity_tables import chosen, write_listing
 from ltcgear.symbolic.assembly import build_model

@@ -10,11 +10,11 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Vector
-from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.view.plots import BLUE, GREY, ORANGE, SKY
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain

@@ -10,7 +10,8 @@ import numpy as np
 from ltcgear.runtime.linear.chart import RPM, Chart, draw_up
 from ltcgear.runtime.linear.floquet import Floquet, find_multipliers
 from ltcgear.runtime.linear.periodic import vary
-from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.building import build
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.view.figures.stability_figures import draw_chart
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain

@@ -77,6 +77,11 @@ class State:
         """Tell a rotation from a translation."""
         return self.axis in ("u", "theta")
 
+    @property
+    def is_reference(self) -> bool:
+        """Tell the motion of the reference from a deviation or its rate."""
+        return self.kind in ("reference angle", "reference speed")
+
 
 @dataclass(frozen=True)
 class Report:

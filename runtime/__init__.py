@@ -5,12 +5,12 @@ from typing import Any
 
 _HOME = {
     "Dynamics": "export.solver.dynamics",
-    "build": "model.library",
+    "build": "model.building",
     "describe_modes": "linear.naming",
     "differentiate_modes": "linear.sensitivity",
     "find_equilibrium": "model.equilibrium",
     "find_modes": "linear.modes",
-    "integrate": "simulation.integration",
+    "integrate": "simulation.integrate",
     "linearise": "linear.system",
     "load": "results.result",
     "load_sweep": "studies.sweep.sweep_file",

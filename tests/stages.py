@@ -5,9 +5,9 @@ from math import pi, sin
 
 import numpy as np
 from hypothesis import strategies as st
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import build
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.scene.load import make_scene

@@ -8,9 +8,9 @@ from math import pi
 import numpy as np
 import pytest
 from ltcgear.generated import store
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.topology import Topology
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.studies.accuracy.record import digest_numbers, read_record

@@ -10,7 +10,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 from benchmarks.identification.posterior import total
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.comparison import compare
 from ltcgear.runtime.studies.wu2021.table9 import FACTOR_AIM, MEAN_AIM, tell_loads

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation.energy_balance import energy_residual
-from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.integrate import integrate
 
 from stages import Stage, pairs, planetaries
 

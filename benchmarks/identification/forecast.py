@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from ltcgear.runtime.linear.balance import Balance
 from ltcgear.runtime.linear.gradients import Gradients
-from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
+from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.operating_point import OperatingPoint
+from ltcgear.runtime.model.state_matrix import Equilibrium
 from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.studies.sensitivity.adjoint import differentiate_course
 from ltcgear.runtime.studies.sensitivity.course import Course, follow_course

@@ -8,7 +8,7 @@ import json
 from time import perf_counter
 
 from ltcgear.generated import store
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import content_key, generate
 from ltcgear.symbolic.scene.load import load_scene

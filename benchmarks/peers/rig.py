@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.contact_levels import Phases, cells_of, levels_of, upper
-from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
+from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.model.state_matrix import Equilibrium
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.scene.load import load_scene

@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from ltcgear.runtime.simulation import integration
+from ltcgear.runtime.simulation import integrate as whole
 from numpy.typing import NDArray
 from scipy import integrate
 
@@ -38,7 +38,7 @@ def ours(rig: Rig, method: str) -> Callable[[float], tuple[Vector, float]]:
     """Return a run of ltcgear; its time is that of integration, without the set-up that each run has once."""
 
     def run(rtol: float) -> tuple[Vector, float]:
-        found = integration.integrate(rig.library, rig.p, rig.at, t_end=T_END, rate=RATE, method=method, rtol=rtol)
+        found = whole.integrate(rig.library, rig.p, rig.at, t_end=T_END, rate=RATE, method=method, rtol=rtol)
         if found.status != "done":
             raise RuntimeError(found.status)
         return found.x, found.seconds["integrate"] + found.seconds["outputs"]
@@ -49,9 +49,7 @@ def ours(rig: Rig, method: str) -> Callable[[float], tuple[Vector, float]]:
 def set_up_time(rig: Rig, method: str) -> float:
     """Return the least time [s] that ltcgear takes to set a run up, the integrator being compiled."""
     found = [
-        integration.integrate(rig.library, rig.p, rig.at, t_end=T_END, rate=RATE, method=method, rtol=1e-4).seconds[
-            "prepare"
-        ]
+        whole.integrate(rig.library, rig.p, rig.at, t_end=T_END, rate=RATE, method=method, rtol=1e-4).seconds["prepare"]
         for _ in range(3)
     ]
     return min(found)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..results.amplitude_spectrum import explain_line, nearest_mode, strongest_lines
-from ..results.statistics import mesh_frequencies, shaft_speeds, stage_of
+from ..model.members import CARRIER, PLANET, Train
+from ..results.amplitude_spectrum import Sources, explain_line, nearest_mode, strongest_lines
+from ..results.statistics import mesh_frequencies, shaft_speeds
+from ..results.train_record import read_train
 from .band import Band, find_band
 from .decay import decays_as
 from .order_spectrum import TURN
@@ -48,6 +50,8 @@ class Clues:
         ``mode 7`` -> what moves in it.
     band
         How far lines are true [Hz].
+    stages
+        Of carriers and shafts, by name.
     """
 
     meshes: dict[str, float] = field(default_factory=dict)
@@ -56,6 +60,12 @@ class Clues:
     modes: dict[str, tuple[float, float]] = field(default_factory=dict)
     words: dict[str, str] = field(default_factory=dict)
     band: Band = field(default_factory=lambda: Band(inf, raw=False))
+    stages: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def sources(self) -> Sources:
+        """Return what turns and meshes, shafts left out, as the paper names lines."""
+        return Sources(self.meshes, self.carriers, stages=self.stages)
 
     def over(self, turns_hz: float) -> Clues:
         """Return the clues as orders of a shaft that turns so often a second; modes have no order.
@@ -64,7 +74,7 @@ class Clues:
         """
         every = (self.meshes, self.carriers, self.shafts)
         meshes, carriers, shafts = ({name: value / turns_hz for name, value in of.items()} for of in every)
-        return Clues(meshes, carriers, shafts)
+        return Clues(meshes, carriers, shafts, stages=self.stages)
 
 
 @dataclass(frozen=True)
@@ -100,31 +110,36 @@ def find_clues(dataset: xr.Dataset, modes: Sequence[Mode] = ()) -> Clues:
     modes
         From ``find_modes`` and ``describe_modes``; rigid-body modes are left out.
     """
-    start = float(dataset["time"].values[0])
+    start, train = float(dataset["time"].values[0]), read_train(dataset)
     passing = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
     meshes = {stage: value for stage, value in passing.items() if value > STANDING}
     speeds = shaft_speeds(dataset, start) if "speed" in dataset else {}
-    turning = {name: speed / TURN for name, speed in speeds.items() if "." in name and abs(speed) / TURN > STANDING}
-    carriers = {name: abs(value) for name, value in turning.items() if name.endswith(".carrier")}
-    shafts = {name: abs(value) for name, value in turning.items() if name not in carriers and ".planet." not in name}
+    turning = {name: speed / TURN for name, speed in speeds.items() if abs(speed) / TURN > STANDING}
+    turning = {name: value for name, value in turning.items() if train.is_geared(name)}
+    carriers = {name: abs(value) for name, value in turning.items() if train.members[name].part == CARRIER}
+    shafts = {name: abs(v) for name, v in turning.items() if name not in carriers and not train.is_planet(name)}
+    stages = {name: train.stage(name) for name in (carriers | shafts)}
     known = list((carriers | shafts).values())
-    for name, value in _against_carriers(turning):
+    for name, stage, value in _against_carriers(turning, train):
         if value > STANDING and not any(abs(value - other) < SAME * value for other in known):
-            shafts[name] = value
+            shafts[name], stages[name] = value, stage
             known.append(value)
     vibrating = {f"mode {number}": mode for number, mode in enumerate(modes, start=1) if _vibrates(mode)}
     bands = {name: (mode.frequency_hz, abs(mode.damping_ratio) * mode.frequency_hz) for name, mode in vibrating.items()}
     words = {name: f"{mode.name or mode.kind}, {mode.frequency_hz:.4g} Hz" for name, mode in vibrating.items()}
-    return Clues(meshes, carriers, shafts, bands, words, find_band(dataset))
+    return Clues(meshes, carriers, shafts, bands, words, find_band(dataset), stages)
 
 
-def _against_carriers(turning: Mapping[str, float]) -> Iterator[tuple[str, float]]:
-    """Yield how often gears turn against the carrier of their stage [Hz]; of equal planets the first stands for all."""
+def _against_carriers(turning: Mapping[str, float], train: Train) -> Iterator[tuple[str, str, float]]:
+    """Yield how often gears turn against the carrier of their stage [Hz], with the stage.
+
+    Of equal planets the first stands for all.
+    """
     for name, value in turning.items():
-        carrier, stage = turning.get(f"{stage_of(name)}.carrier"), stage_of(name)
-        gear = name.removeprefix(f"{stage}.")
-        if gear == "planet.1" or (carrier is not None and gear in ("sun", "ring")):
-            yield f"{stage}.{gear.removesuffix('.1')}/carrier", abs(value - (carrier or 0.0))
+        stage, part = train.members[name].stage, train.members[name].part
+        carrier = turning.get(train.part(stage, CARRIER))
+        if name == train.part(stage, PLANET) or (carrier is not None and part in ("sun", "ring")):
+            yield f"{stage}.{part}/carrier", stage, abs(value - (carrier or 0.0))
 
 
 def _vibrates(mode: Mode) -> bool:
@@ -165,11 +180,11 @@ def name_lines(
     carriers, shafts = (
         {name: turns for name, turns in of.items() if turns > 2.0 * within} for of in (clues.carriers, clues.shafts)
     )
-    named = []
+    sources, named = Sources(clues.meshes, carriers, shafts, stages=clues.stages), []
     for line in found:
         place = spectrum.refine(line.frequency_hz)
         combs = {name: turns for name, turns in (carriers | shafts).items() if _comb(spectrum, place, turns)}
-        kind, name = explain_line(place, clues.meshes, within, carriers, shafts, combs, end)
+        kind, name = explain_line(place, replace(sources, combs=combs), within, end)
         near = nearest_mode(place, within, clues.modes)
         if not kind and near and decays_as(signals, place, TURN * clues.modes[near][1]):
             kind, name = "mode", near

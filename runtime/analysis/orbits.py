@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..results.statistics import stage_of
+from ..model.members import CARRIER
+from ..results.train_record import read_train
 from .trace import FloatArray, list_items, pick, read_trace
 from .transmission import parameter
 
@@ -92,12 +93,12 @@ def find_orbit(dataset: xr.Dataset, member: str, record: xr.Dataset | None = Non
     first = (dataset if record is None else record).isel(time=slice(0, 1))
     begins = abs(float(first["time"].values[0])) < 1e-12
     static = _plane(find_shift(first, member)[0]) if begins else None
-    planet = ".planet." in member
-    bearing = f"{stage_of(member)}.pin" if planet else f"{member}.bearing"
+    train = read_train(dataset)
+    held = parameter(dataset, f"{train.members[member].held}.clearance")
     borne = "bearing" if member in list_items(dataset, "bearing_force_x") else "no bearing"
     return Orbit(
-        member, path.real, path.imag, _plane(path.mean()), static, parameter(dataset, f"{bearing}.clearance"),
-        "pin" if planet else borne,
+        member, path.real, path.imag, _plane(path.mean()), static, held,
+        "pin" if train.is_planet(member) else borne,
     )  # fmt: skip
 
 
@@ -113,9 +114,10 @@ def find_shift(dataset: xr.Dataset, member: str) -> NDArray[np.complex128]:
     what it carries: a planet's place, and the axes.
     """
     shift = pick(dataset, "displacement_x", member).values + 1j * pick(dataset, "displacement_y", member).values
-    carrier = f"{stage_of(member)}.carrier"
+    train = read_train(dataset)
+    carrier = train.part(train.stage(member), CARRIER)
     if carrier not in list_items(dataset, "twist"):
         return np.asarray(shift)
-    place = complex(*(parameter(dataset, f"{member}.{axis}_0") or 0.0 for axis in "xy"))
+    place = complex(*(parameter(dataset, name) or 0.0 for name in train.members[member].place))
     turned = np.exp(-1j * pick(dataset, "twist", carrier).values)
     return np.asarray((place + shift) * turned - place)

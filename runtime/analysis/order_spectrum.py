@@ -10,7 +10,8 @@ from ltcgear.generated.errors import LtcgearError
 
 from ..model.ties import largest_first
 from ..results.amplitude_spectrum import amplitude_spectrum, noise_bandwidth
-from ..results.statistics import stage_of
+from ..results.select import split_output
+from ..results.train_record import read_train
 from .spectrum import Spectrum
 from .trace import FloatArray, list_items, read_trace, tell_bounds
 
@@ -50,8 +51,9 @@ def choose_shaft(dataset: xr.Dataset, stage: str = "") -> str | None:
         return None
     speed = np.abs(dataset["speed"].transpose("time", "rotor").values).mean(axis=0)
     sizes = dict(zip(list_items(dataset, "speed"), speed.tolist(), strict=True))
-    turning = {name: size for name, size in sizes.items() if ".planet." not in name} or sizes
-    own = {name: size for name, size in turning.items() if stage_of(name) == stage} or turning
+    train = read_train(dataset)
+    turning = {name: size for name, size in sizes.items() if not train.is_planet(name)} or sizes
+    own = {name: size for name, size in turning.items() if train.stage(name) == stage} or turning
     return next(iter(largest_first(own)), None)
 
 
@@ -82,7 +84,7 @@ def find_order_spectrum(
         fewer than four times.
     """
     one, other = read_trace(signal), read_trace(angle)
-    turns, shaft = _turns(other.values), other.name.partition(":")[2] or "the shaft"
+    turns, shaft = _turns(other.values), split_output(other.name)[1] or "the shaft"
     speeds = np.diff(turns) * one.rate
     if not speeds.min() > SLOWEST * speeds.max():
         raise LtcgearError(

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..results.statistics import group_of, statistics
-from .trace import FEWEST, FloatArray, front, list_items, pick, read_trace
+from ..model.members import Train
+from ..results.statistics import statistics
+from ..results.train_record import read_train
+from .trace import FEWEST, FloatArray, list_items, pick, read_trace
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,14 +62,14 @@ class LoadShare:
 
 def list_groups(dataset: xr.Dataset) -> dict[str, list[str]]:
     """Return the meshes by group: ``lsp.sun_planet`` -> its planets' meshes."""
-    return group_meshes(list_items(dataset, "mesh_force"))
+    return group_meshes(list_items(dataset, "mesh_force"), read_train(dataset))
 
 
-def group_meshes(meshes: Iterable[str]) -> dict[str, list[str]]:
+def group_meshes(meshes: Iterable[str], train: Train) -> dict[str, list[str]]:
     """Return meshes by group."""
     found: dict[str, list[str]] = {}
     for mesh in meshes:
-        found.setdefault(group_of(mesh), []).append(mesh)
+        found.setdefault(train.group(mesh), []).append(mesh)
     return found
 
 
@@ -80,9 +82,9 @@ def find_leads(dataset: xr.Dataset) -> list[str]:
     if not meshes:
         return []
     carried = np.abs(dataset["mesh_force"].transpose("time", ...).values).mean(axis=0)
-    groups: dict[str, list[int]] = {}
+    train, groups = read_train(dataset), dict[str, list[int]]()
     for k, mesh in enumerate(meshes):
-        groups.setdefault(group_of(front(mesh)), []).append(k)
+        groups.setdefault(train.group(train.front(mesh)), []).append(k)
     most = {group: float(carried[members].max()) for group, members in groups.items()}
     return [meshes[next(k for k in members if carried[k] >= ALIKE * most[group])] for group, members in groups.items()]
 

@@ -9,6 +9,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..results.amplitude_spectrum import WINDOWS, amplitude_spectrum, noise_bandwidth, planar_spectrum, window_samples
+from ..results.select import split_output
 from .trace import FEWEST, FloatArray, Trace, read_trace, tell_bounds
 
 if TYPE_CHECKING:
@@ -131,7 +132,7 @@ def find_spectrum(signal: xr.DataArray, *others: xr.DataArray, window: str = "ha
 
 def _planar(one: Trace) -> Trace:
     """Name what two axes are together."""
-    quantity, _, item = one.name.partition(":")
+    quantity, item = split_output(one.name)
     title = one.title.replace(", x of", " (root-sum-square of x and y) of")
     return Trace(f"{quantity.removesuffix('_x')}:{item}", title, one.unit, one.time, one.values)
 

@@ -10,7 +10,9 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..results.rounding import round_statistics, without_rounding
-from ..results.statistics import stage_of, statistics
+from ..results.select import split_output
+from ..results.statistics import statistics
+from ..results.train_record import read_train
 from .bearings import BearingLoad, list_bearing_loads
 from .cycles import Cycles, count_cycles
 from .duration import LoadDuration, find_load_duration
@@ -21,7 +23,7 @@ from .order_spectrum import choose_shaft, find_order_spectrum, shaft_angle
 from .sharing import LoadShare, find_leads, find_load_share, list_groups
 from .span import CHANGING, cut, speed_change
 from .spectrum import Spectrum, find_density, find_spectrum
-from .trace import front, list_items, phase_of, pick, select_output
+from .trace import list_items, phase_of, pick, select_output
 from .transmission import TransmissionError, find_transmission_error, read_pairs
 from .waterfall import Waterfall, find_waterfall, mesh_courses
 
@@ -127,7 +129,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
     change = speed_change(part)
     if change > CHANGING:
         notes.append(f"speeds change by {change:.0%} in the span: lines over frequency are smeared, orders are not")
-    clues = find_clues(part, modes)
+    clues, train = find_clues(part, modes), read_train(part)
     wide = dataset if asked.start_s is None and asked.stop_s is None else part
     outputs = asked.outputs or tuple(_default_outputs(part))
     seen = tuple(_see(part, wide, output, clues, asked, notes) for output in outputs)
@@ -139,7 +141,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
         round_statistics(statistics(part, float(time[0])), dataset) if meshes else {},
         tuple(share for share in shares if share is not None), tuple(_errors(part, leads)),
         tuple(_durations(part, leads)), tuple(_cycles(part, leads, notes)), list_bearing_loads(part),
-        tuple(find_orbit(part, member, dataset) for member in list_members(part) if ".planet." not in member),
+        tuple(find_orbit(part, member, dataset) for member in list_members(part) if not train.is_planet(member)),
         tuple(dict.fromkeys(notes)),
     )  # fmt: skip
 
@@ -158,15 +160,20 @@ def _see(
     spectrum = find_spectrum(*signals, window=asked.window)
     lines = name_lines(spectrum, clues, asked.lines, signals=signals)
     waterfall = find_waterfall(select_output(wide, output)[0], resolution_hz=asked.resolution_hz, speed=_lead(wide))
-    mesh = clues.meshes.get(stage_of(output.partition(":")[2]), max(clues.meshes.values(), default=0.0))
+    mesh = clues.meshes.get(_stage(part, output), max(clues.meshes.values(), default=0.0))
     band = asked.band or choose_band(spectrum, mesh, highest_hz=clues.band.end_hz)
     envelope = find_envelope(signals[0], *band, window=asked.window)
     found = name_lines(envelope.spectrum, clues, asked.lines, envelope.high_hz - envelope.low_hz)
-    sidebands = tuple(_sidebands(spectrum, output, clues)) if speed_change(part) <= CHANGING else ()
+    sidebands = tuple(_sidebands(spectrum, _stage(part, output), clues)) if speed_change(part) <= CHANGING else ()
     orders, order_lines = _orders(part, output, clues, asked, notes)
     courses = mesh_courses(wide, waterfall)
     density = find_density(signals[0], window=asked.window)
     return Seen(output, spectrum, density, lines, waterfall, courses, envelope, found, sidebands, orders, order_lines)
+
+
+def _stage(part: xr.Dataset, output: str) -> str:
+    """Return the stage of an output's item."""
+    return read_train(part).stage(split_output(output)[1])
 
 
 def _lead(part: xr.Dataset) -> xr.DataArray | None:
@@ -175,15 +182,14 @@ def _lead(part: xr.Dataset) -> xr.DataArray | None:
     return pick(part, "speed", rotors[0]) if rotors else None
 
 
-def _sidebands(spectrum: Spectrum, output: str, clues: Clues) -> list[Sidebands]:
+def _sidebands(spectrum: Spectrum, stage: str, clues: Clues) -> list[Sidebands]:
     """Read sidebands about the first harmonics of an output's own mesh, at the turns of its stage's members."""
-    stage = stage_of(output.partition(":")[2])
     mesh, turning = clues.meshes.get(stage, 0.0), clues.carriers | clues.shafts
     found = [
         find_sidebands(spectrum, (f"{harmonic} {stage}", harmonic * mesh), (name, turns))
         for harmonic in range(1, CENTRES + 1)
         for name, turns in turning.items()
-        if mesh > 0.0 and stage_of(name) == stage and 3.0 * turns < mesh and harmonic * mesh <= clues.band.end_hz
+        if mesh > 0.0 and clues.stages[name] == stage and 3.0 * turns < mesh and harmonic * mesh <= clues.band.end_hz
     ]
     loud = DUST * float(spectrum.value[1:].max())
     return [one for one in found if one is not None and one.amplitude > loud and one.depth > 0.0]
@@ -193,7 +199,7 @@ def _orders(
     part: xr.Dataset, output: str, clues: Clues, asked: Options, notes: list[str]
 ) -> tuple[Spectrum | None, tuple[NamedLine, ...]]:
     """Find the order spectrum of an output; where nobody named a shaft and none can serve, this is noted."""
-    shaft = asked.shaft or choose_shaft(part, stage_of(output.partition(":")[2]))
+    shaft = asked.shaft or choose_shaft(part, _stage(part, output))
     if shaft is None:
         return None, ()
     try:
@@ -221,8 +227,8 @@ def _errors(part: xr.Dataset, leads: Sequence[str]) -> list[TransmissionError]:
     """Return the transmission errors of some meshes, by angles too where the result tells the gears."""
     known = [mesh for mesh in leads if mesh in list_items(part, "mesh_deflection")]
     found = [find_transmission_error(part, mesh) for mesh in known]
-    held = [front(mesh) for mesh in known if front(mesh) in read_pairs(part)]
-    return found + [find_transmission_error(part, mesh, "angles") for mesh in held]
+    fronts = [read_train(part).front(mesh) for mesh in known]
+    return found + [find_transmission_error(part, mesh, "angles") for mesh in fronts if mesh in read_pairs(part)]
 
 
 def _durations(part: xr.Dataset, leads: Sequence[str]) -> list[LoadDuration]:

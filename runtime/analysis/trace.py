@@ -10,7 +10,8 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from ..results.select import find_columns
+from ..results.select import find_columns, split_output
+from ..results.train_record import read_train
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,7 +68,7 @@ def read_trace(signal: xr.DataArray) -> Trace:
     missing = np.flatnonzero(~np.isfinite(values))
     if missing.size:
         raise LtcgearError(f"{name}: not a number from {time[missing[0]]:.6g} s on; choose a window that leaves it out")
-    words, item = str(signal.attrs.get("long_name", signal.name or "signal")), name.partition(":")[2]
+    words, item = str(signal.attrs.get("long_name", signal.name or "signal")), split_output(name)[1]
     return Trace(name, f"{words} of {item}" if item else words, unit_of(signal), time, values)
 
 
@@ -111,7 +112,7 @@ def select_output(dataset: xr.Dataset, wanted: str, option: str = "--output ") -
     LtcgearError
         If there is no such output; the nearest is named.
     """
-    quantity, _, item = wanted.partition(":")
+    quantity, item = split_output(wanted)
     if not item:
         raise LtcgearError(f"{option}{wanted}: write QUANTITY:ITEM, for example mesh_force:psh.mesh")
     pair = [quantity + axis for axis in AXES]
@@ -120,15 +121,10 @@ def select_output(dataset: xr.Dataset, wanted: str, option: str = "--output ") -
     return tuple(pick(dataset, name, item) for name in names)
 
 
-def front(mesh: str) -> str:
-    """Return the mesh that a flank belongs to: ``psh.mesh`` of the flank behind, ``psh.mesh.back``."""
-    return mesh.removesuffix(".back")
-
-
 def phase_of(dataset: xr.Dataset, mesh: str) -> xr.DataArray | None:
     """Return the phase of a mesh [cycles], which its two flanks share; None where it does not turn by nature."""
-    known = front(mesh) in list_items(dataset, "mesh_phase")
-    return pick(dataset, "mesh_phase", front(mesh)) if known else None
+    front = read_train(dataset).front(mesh)
+    return pick(dataset, "mesh_phase", front) if front in list_items(dataset, "mesh_phase") else None
 
 
 def list_items(dataset: xr.Dataset, quantity: str) -> list[str]:

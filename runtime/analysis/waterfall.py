@@ -9,7 +9,8 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
 from ..results.amplitude_spectrum import WINDOWS, amplitude_spectrum, noise_bandwidth
-from ..results.statistics import stage_of
+from ..results.select import split_output
+from ..results.train_record import read_train
 from .trace import FEWEST, FloatArray, list_items, pick, read_trace, tell_bounds
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def find_waterfall(
     if speed is not None:
         other = read_trace(speed)
         turning = np.array([RPM * abs(other.values[k : k + count].mean()) for k in starts])
-        shaft = other.name.partition(":")[2]
+        shaft = split_output(other.name)[1]
     return Waterfall(
         one.name, one.title, one.unit, one.time[starts] + 0.5 * (count - 1) / one.rate, spectra[0][0], rows,
         count / one.rate, window, one.rate / count, noise_bandwidth(window, count) * one.rate / count, turning, shaft,
@@ -118,12 +119,12 @@ def mesh_courses(dataset: xr.Dataset, waterfall: Waterfall) -> dict[str, FloatAr
         Tells instants and segments.
     """
     time, half = dataset["time"].values, 0.5 * waterfall.segment_s
-    found: dict[str, FloatArray] = {}
+    train, found = read_train(dataset), dict[str, FloatArray]()
     for mesh in list_items(dataset, "mesh_phase"):
         phase = pick(dataset, "mesh_phase", mesh).values
         late, early = (np.clip(waterfall.time + side * half, time[0], time[-1]) for side in (1.0, -1.0))
         passed = np.interp(late, time, phase) - np.interp(early, time, phase)
-        found.setdefault(stage_of(mesh), np.abs(passed / (late - early)))
+        found.setdefault(train.stage(mesh), np.abs(passed / (late - early)))
     return {stage: course for stage, course in found.items() if course.max() > STANDING}
 
 

@@ -85,7 +85,7 @@ def open_scene(
 
 def compile_model(opened: Opened) -> "Library":
     """Compile and load a generated model; without a compiler this is said in one line."""
-    from ..model.library import NO_COMPILER, build
+    from ..model.building import NO_COMPILER, build
 
     clock = perf_counter()
     library = build(opened.artifact)
@@ -146,7 +146,7 @@ def restore_modes(scene_json: str, wanted: bool = True) -> Restored:
 
     from ..linear.modes import find_modes
     from ..linear.naming import describe_modes
-    from ..model.library import build
+    from ..model.building import build
 
     if not scene_json:
         return Restored(why="the file holds no scene")
@@ -172,7 +172,7 @@ def open_variants(changes: dict[str, str], opened: Opened) -> "list[Variant]":
     from ltcgear.symbolic.emit.pipeline import obtain
     from ltcgear.symbolic.scene.load import load_scene
 
-    from ..model.library import build
+    from ..model.building import build
     from ..studies.cost import Variant
 
     found = list_changes(opened.scene, opened.model)

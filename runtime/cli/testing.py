@@ -38,7 +38,7 @@ def _bench(name: str, changes: tuple[tuple[str, str], ...]) -> "Bench":
     from ltcgear.symbolic.emit.pipeline import obtain
     from ltcgear.symbolic.scene.load import load_scene
 
-    from ..model.library import build
+    from ..model.building import build
     from ..studies.selftest.case import Bench
 
     model = build_model(load_scene(name, dict(changes)))

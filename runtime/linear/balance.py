@@ -6,9 +6,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.equilibrium import LOOSE, ROUNDING, Equilibrium, inertias, settled, start_state, state_matrix, unit_scale
+from ..model.equilibrium import LOOSE, ROUNDING, start_state, unit_scale
 from ..model.function import Kernel
 from ..model.library import Library
+from ..model.state_matrix import Equilibrium, inertias, settled, state_matrix
 from .gradients import Gradients
 
 Vector = NDArray[np.float64]

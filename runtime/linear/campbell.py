@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..model.equilibrium import find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs
+from ..model.load_torques import given_torques
 from ..model.phase_wrapping import TURN
 from .modes import Mode, find_modes
 from .system import Linear, linearise
@@ -129,7 +130,8 @@ def sweep_load(
         If there is no equilibrium at a load.
     """
     places = _torque_places(library)
-    moving = [name for name in tables or {} if name.endswith(".torque_over_time")]
+    torques = given_torques(library.manifest).values()
+    moving = list(dict.fromkeys(s.table for s in library.manifest.signals if s.name in torques))
     if not places and not moving:
         raise LtcgearError("campbell --load: no load of the scene has a torque; give one, loads.NAME.torque")
     values = _with_home(values, 1.0)
@@ -147,14 +149,14 @@ def sweep_load(
 def _torque_places(library: Library) -> list[int]:
     """Return where constant torques of loads stand among the parameters."""
     names = [name for name, _ in library.manifest.parameters]
-    return [i for i, name in enumerate(names) if name.startswith("loads.") and name.endswith(".torque")]
+    return [names.index(name) for name in given_torques(library.manifest).values() if name in names]
 
 
 def _speed_place(library: Library) -> int:
     """Return where the reference's speed stands among the parameters."""
     names = [name for name, _ in library.manifest.parameters]
     if library.manifest.reference == "rest":
-        torques = _torque_places(library) or any(s.name.endswith(".torque") for s in library.manifest.signals)
+        torques = given_torques(library.manifest)
         raise LtcgearError(
             "campbell: the train stands, so that there is no speed and no order; hold a member's speed, "
             f"loads.NAME.speed{', or sweep the load, for example --load 0.2:2:31' if torques else ''}"

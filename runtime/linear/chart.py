@@ -109,7 +109,7 @@ def _largest(periodic: Periodic, variations: Vector, speeds: int) -> Vector:
     count, _ = settle(periodic, float(variations[-1]), TOLERANCE)
     steps = len(periodic.steps(count)[0])
     if steps * len(variations) * speeds > MOST_STEPS:
-        stages = dict.fromkeys(name.split(".")[0] for name in periodic.meshes)
+        stages = periodic.mesh_frequencies
         fewer = f", or vary fewer meshes, --mesh {next(iter(stages))}" if len(stages) > 1 else ""
         raise LtcgearError(
             f"stability: {len(variations) * speeds} points of {steps} steps in a common period are too many; "

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
+from ..model.members import train_of
 from ..model.ties import order_by_size
 from ..results.rounding import SHARE
-from ..results.statistics import group_of, stage_of
 from .campbell import LOAD, SPEED, Campbell
 from .excitation import find_harmonics
 from .inputs import MeshPath, find_paths
@@ -127,6 +127,7 @@ class _Point:
 
     def __init__(self, campbell: Campbell, point: int, harmonics: int) -> None:
         self.linear, self.p = campbell.linears[point], campbell.parameters[point]
+        self.train = train_of(self.linear.library.manifest)
         self.harmonics, self.speed = harmonics, float(campbell.turns[campbell.at_home])
 
     @cached_property
@@ -139,14 +140,14 @@ class _Point:
 
     def excited(self, order: Order, mode: Mode, modes: Sequence[Mode]) -> tuple[str, float | None, float | None]:
         """Return the mesh that an order excites most through a mode, its sensitivity and its own force [N]."""
-        meshes = [mesh for mesh in self.paths if stage_of(mesh) == order.stage]
+        meshes = [mesh for mesh in self.paths if self.train.stage(mesh) == order.stage]
         omega, same = abs(mode.eigenvalue.imag), [other for other in modes if other.group == mode.group]
         if not -mode.eigenvalue.real > 1e-12 * omega:
             return meshes[0], None, None
         best, most = meshes[0], -1.0
         manifest = self.linear.library.manifest
-        for group in dict.fromkeys(map(group_of, meshes)):
-            members = [mesh for mesh in meshes if group_of(mesh) == group]
+        for group in dict.fromkeys(map(self.train.group, meshes)):
+            members = [mesh for mesh in meshes if self.train.group(mesh) == group]
             phase = np.exp(1j * phases_of(manifest, self.p, order, members, self.speed))
             pushed = {m: self.paths[m].of_error(omega) * MICRON * q for m, q in zip(members, phase, strict=True)}
             forces = self._forces(omega, same, pushed, members)

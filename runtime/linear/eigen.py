@@ -99,7 +99,10 @@ def _check(linear: Linear) -> None:
     bad = np.flatnonzero(~np.isfinite(linear.matrix.data))
     if len(bad):
         rows = np.unique(linear.matrix.tocoo().coords[0][bad])
-        names = ", ".join(linear.names[i].removesuffix(".rate") for i in rows[:3])
+        everything = linear.library.manifest.states
+        moving = {(state.body, state.axis): state.name for state in everything if state.kind == "deviation"}
+        states = [everything[linear.kept[i]] for i in rows[:3]]
+        names = ", ".join(moving.get((state.body, state.axis), state.name) for state in states)
         raise SolverError(
             f"no modes: the stiffness at {names} is not a finite number at the equilibrium; "
             "check the stiffness, mass and inertia there, and centre distances"

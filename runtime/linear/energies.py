@@ -2,11 +2,12 @@
 
 import casadi as ca
 import numpy as np
-from ltcgear.generated.contract import BACK, Manifest
+from ltcgear.generated.contract import Connection, Manifest
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ..model.function import Kernel
+from ..model.members import train_of
 from ..model.ties import largest_first
 from .system import Linear
 
@@ -14,16 +15,15 @@ Complex = NDArray[np.complex128]
 Vector = NDArray[np.float64]
 STIFFNESS_UNITS = ("N/m", "N*m/rad")
 FORCES = {
-    "mesh_force": ("", ""),
-    "pin_force_x": ("", ""),
-    "pin_force_y": ("", ""),
-    "bearing_force_x": ("", ".bearing"),
-    "bearing_force_y": ("", ".bearing"),
-    "coupling_torque": ("couplings.", ""),
-    "support_torque": ("", ".torsional_support"),
+    "mesh_force": "mesh",
+    "pin_force_x": "pin",
+    "pin_force_y": "pin",
+    "bearing_force_x": "bearing",
+    "bearing_force_y": "bearing",
+    "coupling_torque": "coupling",
+    "support_torque": "support",
 }
-"""Outputs that are an element's own force; before and after their items stands what makes the name of the element,
-with which the names of its parameters begin."""
+"""Outputs that are an element's own force, and the kind of connection that it is."""
 
 
 class Energies:
@@ -43,11 +43,14 @@ class Energies:
         self.linear = linear
         manifest = linear.library.manifest
         self._reports = [i for i, report in enumerate(manifest.reports) if report.quantity in FORCES]
-        self.elements = list(dict.fromkeys(_element(manifest, i) for i in self._reports))
+        found = _elements(manifest)
+        self.elements = list(dict.fromkeys(element.name for element in found))
         place = {name: k for k, name in enumerate(self.elements)}
-        self._element_of = np.array([place[_element(manifest, i)] for i in self._reports], dtype=np.int64)
+        self._element_of = np.array([place[element.name] for element in found], dtype=np.int64)
         self._stiffness = [i for i, (_, unit) in enumerate(manifest.parameters) if unit in STIFFNESS_UNITS]
-        self._owners = _owners(self.elements, [manifest.parameters[i][0] for i in self._stiffness])
+        self._owners = _owners(
+            {element.name: element for element in found}, [manifest.parameters[i][0] for i in self._stiffness]
+        )
         self._kernel = self._make()
 
     def _make(self) -> Kernel:
@@ -87,24 +90,22 @@ class Energies:
         return largest_first(dict(zip(self.elements, each.tolist(), strict=True)))
 
 
-def _element(manifest: Manifest, report: int) -> str:
-    """Name the element whose force a report is; both flanks of a mesh are one."""
-    item = manifest.reports[report]
-    before, after = FORCES[item.quantity]
-    return f"{before}{item.item.removesuffix(BACK)}{after}"
+def _elements(manifest: Manifest) -> list[Connection]:
+    """Return by force among the reports the element whose it is; both flanks of a mesh are one."""
+    train = train_of(manifest)
+    known = {(item.kind, item.item): item for item in manifest.connections}
+    forces = ((FORCES[report.quantity], report.item) for report in manifest.reports if report.quantity in FORCES)
+    return [known[kind, train.front(item) if kind == "mesh" else item] for kind, item in forces]
 
 
-def family(element: str) -> str:
-    """Return the name that equal elements of a stage share: ``lsp.pin`` of ``lsp.pin.2``."""
-    head, _, tail = element.rpartition(".")
-    return head if head and tail.isdigit() else element
+def _owners(elements: dict[str, Connection], stiffnesses: list[str]) -> csr_array:
+    """Return which elements have a stiffness, 1 or 0, shape (stiffnesses, elements): all of a group, or one.
 
-
-def _owners(elements: list[str], stiffnesses: list[str]) -> csr_array:
-    """Return which elements have a stiffness, 1 or 0, shape (stiffnesses, elements): all of a family, or one."""
+    The names of an element's parameters begin with its own name, or with that of its group.
+    """
     places: dict[str, set[int]] = {}
-    for k, element in enumerate(elements):
-        for name in (element, family(element)):
+    for k, element in enumerate(elements.values()):
+        for name in (element.name, element.group):
             places.setdefault(name, set()).add(k)
     pairs = [(i, k) for i, name in enumerate(stiffnesses) for k in places.get(name.rpartition(".")[0], ())]
     rows, columns = np.array(pairs, dtype=np.int64).reshape(-1, 2).T

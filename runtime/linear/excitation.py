@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from ..model.contact_levels import Phases
 from ..model.function import Kernel
+from ..model.members import train_of
 from ..model.phase_wrapping import TURN
-from ..results.statistics import stage_of
 from .orders import mesh_advances
 from .system import Linear
 
@@ -44,10 +44,10 @@ def find_harmonics(linear: Linear, p: Vector, count: int) -> dict[str, Complex]:
     outputs, angle, sense = Kernel(library.functions["outputs"]), names.index("reference.angle"), _sense(linear, p)
     places = (np.arange(SAMPLES) + 0.5) / SAMPLES
     waves = np.exp(-1j * TURN * np.outer(np.arange(1, count + 1), places)) * (2 / SAMPLES)
-    found: dict[str, Complex] = {}
+    train, found = train_of(library.manifest), dict[str, Complex]()
     for stage, advance in mesh_advances(library.manifest, p).items():
         columns = [i for i, r in enumerate(library.manifest.reports) if r.quantity == "mesh_force"]
-        columns = [i for i in columns if stage_of(library.manifest.reports[i].item) == stage]
+        columns = [i for i in columns if train.stage(library.manifest.reports[i].item) == stage]
         forces = np.empty((SAMPLES, len(columns)))
         for row, place in enumerate(places):
             x = linear.at.x.copy()

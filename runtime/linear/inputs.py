@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 
 import numpy as np
-from ltcgear.generated.contract import BACK
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from ..model.function import Kernel
+from ..model.load_torques import given_torques
+from ..model.members import train_of
 from .system import Linear
 
 Vector = NDArray[np.float64]
@@ -82,11 +83,11 @@ def _read_springs(linear: Linear) -> dict[str, tuple[float, float]]:
     reports = zip(manifest.reports, values, strict=True)
     touching = {report.item: value for report, value in reports if report.quantity == "mesh_contact"}
     level = dict(zip(manifest.levels, linear.at.levels.tolist(), strict=True))
-    found = {}
+    train, found = train_of(manifest), {}
     for mesh in manifest.connections:
         if mesh.kind == "mesh" and mesh.stiffness:
             low, high = number[mesh.stiffness[0]], number[mesh.stiffness[-1]]
-            k = low + (high - low) * level.get(mesh.item.removesuffix(BACK), 0.0)
+            k = low + (high - low) * level.get(train.front(mesh.item), 0.0)
             acts = touching.get(mesh.item, 1.0)
             found[mesh.item] = acts * k, acts * number.get(mesh.damping, 0.0)
     return found
@@ -116,11 +117,11 @@ def _pushes_of_levels(linear: Linear, forces: Iterable[str]) -> dict[str, Vector
 def find_torque(linear: Linear, load: str) -> TorqueInput:
     """Return how a load's torque acts on small motions; LtcgearError where there is no such torque."""
     manifest = linear.library.manifest
-    known = {f"loads.{load}.torque"}
+    name = given_torques(manifest).get(load)
     signals = [signal.name for signal in manifest.signals]
     parameters = [name for name, _ in manifest.parameters]
     for argument, names, first in ((2, parameters, 0), (1, signals, len(manifest.levels))):
-        for name in known & set(names):
+        if name in names:
             column = linear.derivative("rhs", argument).toarray()[linear.kept, first + names.index(name)]
             return TorqueInput(load, column)
     raise LtcgearError(_unknown(load, [], list_torques(linear)))
@@ -128,10 +129,7 @@ def find_torque(linear: Linear, load: str) -> TorqueInput:
 
 def list_torques(linear: Linear) -> list[str]:
     """Return the loads whose torque is given, constant or over time."""
-    manifest = linear.library.manifest
-    names = [*(name for name, _ in manifest.parameters), *(signal.name for signal in manifest.signals)]
-    given = [name for name in names if name.startswith("loads.") and name.endswith(".torque")]
-    return [name.removeprefix("loads.").removesuffix(".torque") for name in given]
+    return list(given_torques(linear.library.manifest))
 
 
 def find_input(linear: Linear, name: str) -> MeshPath | TorqueInput:

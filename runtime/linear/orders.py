@@ -8,9 +8,9 @@ import numpy as np
 from ltcgear.generated.contract import Manifest
 from numpy.typing import NDArray
 
+from ..model.members import train_of
 from ..model.parameter_values import name_values
 from ..model.phase_wrapping import TURN, Clocks
-from ..results.statistics import stage_of
 
 Vector = NDArray[np.float64]
 SIDES = (-1, 1)
@@ -88,17 +88,17 @@ def list_orders(manifest: Manifest, p: Vector, harmonics: int, sidebands: bool =
 
 def mesh_advances(manifest: Manifest, p: Vector) -> dict[str, float]:
     """Return by gear set the pitches that pass in one turn of the reference; those whose meshes stand are left out."""
-    courses = Clocks(manifest, p).by_mesh
-    return {stage_of(mesh): float(course.advance) for mesh, course in courses.items() if course.advance}
+    courses, train = Clocks(manifest, p).by_mesh, train_of(manifest)
+    return {train.stage(mesh): float(course.advance) for mesh, course in courses.items() if course.advance}
 
 
 def list_sides(manifest: Manifest, p: Vector, stage: str) -> list[Side]:
     """List what modulates the meshes of a stage: its carrier's turns, and its planets' passes over ring and sun."""
     number, parts = name_values(manifest, p), {body.name: body.part for body in manifest.bodies}
     meshes = {mesh.item: mesh for mesh in manifest.connections if mesh.kind == "mesh" and not mesh.back}
-    sides: dict[str, Side] = {}
+    train, sides = train_of(manifest), dict[str, Side]()
     for clock in manifest.clocks:
-        if stage_of(clock.mesh) != stage or parts[meshes[clock.mesh].bodies[1]] != "planet":
+        if train.stage(clock.mesh) != stage or parts[meshes[clock.mesh].bodies[1]] != "planet":
             continue
         carrier = number.get(clock.frame, 0.0)
         relative = carrier - number.get(clock.ratio, 0.0)

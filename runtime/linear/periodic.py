@@ -13,11 +13,13 @@ from ltcgear.generated.contract import Clock
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
-from ..model.equilibrium import Equilibrium, find_equilibrium
+from ..model.equilibrium import find_equilibrium
 from ..model.function import Kernel
 from ..model.library import Library
+from ..model.members import Train, train_of
 from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import Clocks
+from ..model.state_matrix import Equilibrium
 from .system import Linear, linearise
 
 Vector = NDArray[np.float64]
@@ -67,7 +69,8 @@ class Periodic:
     @property
     def mesh_frequencies(self) -> dict[str, float]:
         """Return the mesh frequencies [Hz] by stage."""
-        return {mesh.split(".")[0]: abs(n) / self.period for mesh, n in self.cycles.items()}
+        train = train_of(self.linear.library.manifest)
+        return {train.stage(mesh): abs(n) / self.period for mesh, n in self.cycles.items()}
 
     def steps(self, count: int) -> tuple[Vector, Vector]:
         """Return starts and lengths, in parts of the period, of steps that stop at every jump.
@@ -183,11 +186,11 @@ def vary(
     check_periodic(library)
     if speed is not None:
         p = _at_speed(library, p, speed)
-    followed = _followed(library)
+    followed, train = _followed(library), train_of(library.manifest)
     clocks = Clocks(library.manifest, p)
     moving = {name: course for name, course in clocks.by_mesh.items() if course.advance}
     varying = [name for name in moving if name in followed or name in library.manifest.levels]
-    chosen = choose_meshes(varying, list(clocks.by_mesh), mesh)
+    chosen = choose_meshes(train, varying, list(clocks.by_mesh), mesh)
     pitches = {name: (moving[name].period if name in followed else 1) for name in chosen}
     turns = _common([Fraction(pitches[name]) / abs(moving[name].advance) for name in chosen])
     reference = _speed(library, p)
@@ -195,7 +198,7 @@ def vary(
     cycles = {name: sense * int(moving[name].advance * turns) for name in chosen}
     total = sum(abs(n) for n in cycles.values())
     if 2 * total > MOST:
-        raise LtcgearError(_too_long(cycles))
+        raise LtcgearError(_too_long(train, cycles))
     at = find_equilibrium(library, p) if at is None else at
     period = float(turns) * 2 * pi / abs(reference)
     borders = _borders(OperatingPoint(library, p, at), cycles)
@@ -222,7 +225,7 @@ def check_periodic(library: Library) -> None:
         )
 
 
-def choose_meshes(varying: list[str], known: list[str], wanted: str | None) -> list[str]:
+def choose_meshes(train: Train, varying: list[str], known: list[str], wanted: str | None) -> list[str]:
     """Return the varying meshes that a name stands for: a mesh, the meshes of one kind, or a stage."""
     if not varying:
         raise LtcgearError(
@@ -233,17 +236,16 @@ def choose_meshes(varying: list[str], known: list[str], wanted: str | None) -> l
         return varying
 
     def belong(names: list[str]) -> list[str]:
-        return [name for name in names if name == wanted or name.startswith(f"{wanted}.")]
+        return [name for name in names if wanted in (train.stage(name), train.group(name), name)]
 
     found = belong(varying)
     if found:
         return found
     if belong(known):
-        raise LtcgearError(f"--mesh {wanted}: its stiffness does not vary; {_listed(varying)} do")
-    near = get_close_matches(wanted, _names(varying), 1, 0.4)
-    raise LtcgearError(
-        f"--mesh {wanted!r:.60}: unknown; {f'did you mean {near[0]}?' if near else f'there are {_listed(varying)}'}"
-    )
+        raise LtcgearError(f"--mesh {wanted}: its stiffness does not vary; {_listed(train, varying)} do")
+    near = get_close_matches(wanted, [*_kinds(train, varying), *varying], 1, 0.4)
+    cure = f"did you mean {near[0]}?" if near else f"there are {_listed(train, varying)}"
+    raise LtcgearError(f"--mesh {wanted!r:.60}: unknown; {cure}")
 
 
 def reference_speed(library: Library, p: Vector) -> float:
@@ -317,24 +319,22 @@ def _borders(point: OperatingPoint, cycles: dict[str, int]) -> Vector:
     return np.asarray(places)
 
 
-def _too_long(cycles: dict[str, int]) -> str:
+def _too_long(train: Train, cycles: dict[str, int]) -> str:
     """Say how long the common period of some meshes is, and what to do."""
-    stages = dict.fromkeys(mesh.split(".")[0] for mesh in cycles)
-    counts = ", ".join(
-        f"{max(abs(n) for mesh, n in cycles.items() if mesh.startswith(f'{stage}.'))} of {stage}" for stage in stages
-    )
+    stages = dict.fromkeys(map(train.stage, cycles))
+    most = {stage: max(abs(n) for mesh, n in cycles.items() if train.stage(mesh) == stage) for stage in stages}
+    counts = ", ".join(f"{count} of {stage}" for stage, count in most.items())
     return (
         f"stability: the common period of all meshes is too long: {counts} pitches; choose whose stiffness varies, "
         f"the others at their means: --mesh {next(iter(stages))}"
     )
 
 
-def _names(meshes: list[str]) -> list[str]:
-    """Return the names of meshes, of their kinds and of their stages."""
-    parts = [mesh.split(".") for mesh in meshes]
-    return list(dict.fromkeys(".".join(part[:n]) for n in (1, 2, 3) for part in parts if len(part) >= n))
+def _kinds(train: Train, meshes: list[str]) -> list[str]:
+    """Return the stages of meshes, and their groups."""
+    return list(dict.fromkeys([*map(train.stage, meshes), *map(train.group, meshes)]))
 
 
-def _listed(meshes: list[str]) -> str:
+def _listed(train: Train, meshes: list[str]) -> str:
     """List stages and kinds of meshes."""
-    return ", ".join(name for name in _names(meshes) if name.count(".") < 2)
+    return ", ".join(_kinds(train, meshes))

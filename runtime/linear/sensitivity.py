@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.equilibrium import Equilibrium
+from ..model.state_matrix import Equilibrium
 from .balance import Balance
 from .gradients import Gradients
 from .modes import Mode

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ..model.contact_levels import Phases, cells_of, levels_of
-from ..model.equilibrium import Equilibrium, settled
 from ..model.function import Kernel
 from ..model.library import Library
 from ..model.operating_point import OperatingPoint
 from ..model.parameter_values import name_values
 from ..model.phase_wrapping import TURN
+from ..model.state_matrix import Equilibrium, settled
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]

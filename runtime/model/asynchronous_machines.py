@@ -10,7 +10,6 @@ from .library import Library
 
 Vector = NDArray[np.float64]
 
-SLIP = ".breakdown_slip_speed"
 NUDGE = 1e-6
 """Change of the synchronous speed, over breakdown slip, by which the slope of a slip law is seen."""
 
@@ -23,10 +22,12 @@ def past_breakdown(library: Library, x: Vector, s: Vector, p: Vector) -> Iterato
     of |z| = 1 it is tells the slope of its torque over its synchronous speed.
     """
     names = [name for name, _ in library.manifest.parameters]
-    told = {f"loads.{r.item}": i for i, r in enumerate(library.manifest.reports) if r.quantity == "load_torque"}
+    told = {r.item: i for i, r in enumerate(library.manifest.reports) if r.quantity == "load_torque"}
+    loads = {item.group: told[item.item] for item in library.manifest.connections if item.kind == "load"}
     outputs = Kernel(library.functions["outputs"])
-    for key in [name.removesuffix(SLIP) for name in names if name.endswith(SLIP)]:
-        column = told[key]
+    for key, column in loads.items():
+        if f"{key}.breakdown_slip_speed" not in names:
+            continue
         synchronous, slip, most = (
             names.index(f"{key}.{end}") for end in ("synchronous_speed", "breakdown_slip_speed", "breakdown_torque")
         )

@@ -13,7 +13,8 @@ from ltcgear.generated.errors import CompileError
 from numpy.typing import NDArray
 
 from .contact_levels import AT_BORDER
-from .library import Library, load
+from .library import Library
+from .shared_library import load
 
 SOURCES = (
     "head.c", "switching.c", "regimes.c", "extremes.c", "sums.c", "erk.c", "points.c", "march.c", "rows.c",

@@ -1,10 +1,9 @@
 """Loaded equilibrium at running speed, where a simulation starts and a linearisation stands."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
-from ltcgear.generated.contract import CLOSING, HELD, PULL, VARYING
+from ltcgear.generated.contract import CLOSING, PULL
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
@@ -16,6 +15,7 @@ from .dynamic_relaxation import relax
 from .function import Kernel
 from .library import Library
 from .load_tables import Pairs, Signals
+from .state_matrix import Equilibrium, dense_jacobian, inertias, mean_levels, pulling, replace_parameter, settled
 from .tooth_deflection import Teeth
 
 Vector = NDArray[np.float64]
@@ -35,43 +35,6 @@ SLIGHT = 0.1
 """Share of the loads below which what is out of balance is told."""
 
 
-@dataclass(frozen=True)
-class Equilibrium:
-    """A state without vibration.
-
-    Attributes
-    ----------
-    x
-        State vector: deviations at rest against the rigid motion.
-    levels
-        Mesh levels it holds for (their mean over a tooth pitch).
-    residual
-        Largest force left over the largest force at work.
-    iterations
-        Newton steps taken.
-    signals
-        Load signals it holds for.
-    """
-
-    x: Vector
-    levels: Vector
-    residual: float
-    iterations: int
-    signals: Vector = field(default_factory=lambda: np.zeros(0))
-
-    @property
-    def s(self) -> Vector:
-        """Return levels and signals, the functions' second argument."""
-        return np.concatenate([self.levels, self.signals])
-
-
-def mean_levels(library: Library, x: Vector, p: Vector) -> Vector:
-    """Return the mean level of each switched mesh: the share of double contact."""
-    phases = Kernel(library.functions["phases"])
-    share = phases(x, np.zeros(len(phases.arguments[1])), p)[2]
-    return np.asarray(1.0 - share)
-
-
 def start_state(library: Library, p: Vector) -> Vector:
     """Return the state of the rigid motion: no deviation, the reference at its speed."""
     names = [state.name for state in library.manifest.states]
@@ -80,40 +43,6 @@ def start_state(library: Library, p: Vector) -> Vector:
         known = [name for name, _ in library.manifest.parameters]
         x[names.index("reference.speed")] = p[known.index("reference.speed")]
     return x
-
-
-def inertias(library: Library, p: Vector) -> Vector:
-    """Return the inertia [kg or kg m^2] that belongs to each deviation."""
-    known = {name: i for i, (name, _) in enumerate(library.manifest.parameters)}
-    return np.array([p[known[library.manifest.states[i].inertia]] for i in library.index("")])
-
-
-def settled(library: Library, p: Vector) -> Vector:
-    """Return the parameters with means over the mesh phase in place of what varies with it."""
-    return _replaced(library, p, VARYING, 0.0)
-
-
-def pulling(library: Library, p: Vector, share: float = 1.0) -> Vector:
-    """Return the settled parameters with one-sided teeth that pull with a share of their stiffness."""
-    return _replaced(library, settled(library, p), PULL, share)
-
-
-def closed(library: Library, p: Vector) -> Vector:
-    """Return the settled parameters with all contacts closed: no clearance, and every tooth pushing and pulling.
-
-    The sign of normal forces under friction is that of the state.
-    """
-    values = _replaced(library, pulling(library, p), CLOSING, 1.0)
-    contacts = {connection.hold for connection in library.manifest.connections if connection.hold}
-    values[[name in contacts for name, _ in library.manifest.parameters]] = HELD
-    return values
-
-
-def _replaced(library: Library, p: Vector, name: str, value: float) -> Vector:
-    """Return the parameters with another value of one, where the model has it."""
-    return np.array(
-        [value if known == name else old for (known, _), old in zip(library.manifest.parameters, p, strict=True)]
-    )
 
 
 @single_threaded()
@@ -158,7 +87,7 @@ def _seek(library: Library, p: Vector, levels: Vector | None, tables: Mapping[st
     names = [name for name, _ in library.manifest.parameters]
 
     def search(x: Vector, pull: float, closing: float = 0.0) -> Vector:
-        chosen = _replaced(library, pulling(library, p, pull), CLOSING, closing)
+        chosen = replace_parameter(library, pulling(library, p, pull), CLOSING, closing)
         return _newton(library, chosen, x, levels, signals).x
 
     if CLOSING in names:
@@ -186,7 +115,7 @@ def _relaxed(library: Library, p: Vector, levels: Vector, signals: Vector) -> Ve
     s, start, loaded = np.concatenate([levels, signals]), start_state(library, p), settled(library, p)
 
     def stiffness(x: Vector, p: Vector) -> Vector:
-        return -_dense(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
+        return -dense_jacobian(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
 
     scale = unit_scale(library, stiffness(start, pulling(library, p)))
 
@@ -215,7 +144,7 @@ def _newton(library: Library, p: Vector, x: Vector, levels: Vector, signals: Vec
     best = np.inf
     for iteration in range(60):
         force = np.asarray(rhs(x, s, p)[0][rate] * mass)
-        stiffness = -_dense(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
+        stiffness = -dense_jacobian(library, jacobian(x, s, p, 0.0)[0])[np.ix_(rate, position)] * mass[:, None]
         if not (np.isfinite(force).all() and np.isfinite(stiffness).all()):
             raise SolverError(_unreachable(library, x, s, p))
         residual = _residual(library, force, np.abs(stiffness) @ (np.abs(x[position]) + ROUNDING) + load)
@@ -245,20 +174,6 @@ def _residual(library: Library, force: Vector, size: Vector) -> float:
 def _turning(library: Library) -> NDArray[np.bool_]:
     """Tell which deviations are angles."""
     return np.array([library.manifest.states[i].turns for i in library.index("")])
-
-
-def _dense(library: Library, nonzeros: Vector) -> Vector:
-    """Return the dense Jacobian from its non-zeros."""
-    sparsity = library.functions["jac_rhs"].sparsity_out(0)
-    rows, columns = sparsity.get_triplet()
-    full = np.zeros(sparsity.shape)
-    full[rows, columns] = nonzeros
-    return full
-
-
-def state_matrix(library: Library, x: Vector, s: Vector, p: Vector) -> Vector:
-    """Return d xdot / d x, shape (n, n)."""
-    return _dense(library, Kernel(library.functions["jac_rhs"])(x, s, p, 0.0)[0])
 
 
 def unit_scale(library: Library, stiffness: Vector) -> Vector:

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .energy_levels import LOADED, UNLOADED
-from .equilibrium import Equilibrium, closed, inertias, pulling, state_matrix
 from .function import Kernel
 from .library import Library
+from .state_matrix import Equilibrium, closed, inertias, pulling, state_matrix
 
 Vector = NDArray[np.float64]
 Complex = NDArray[np.complex128]

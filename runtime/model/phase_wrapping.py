@@ -4,7 +4,7 @@ A speed ratio of gears is a ratio of whole numbers, so how far a mesh phase come
 reference is known exactly, and so is what is left of it after whole periods.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -13,8 +13,6 @@ from math import lcm, pi
 import numpy as np
 from ltcgear.generated.contract import Clock, Manifest
 from numpy.typing import NDArray
-
-from .rows import Batch
 
 Vector = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -75,7 +73,7 @@ class Clocks:
         found = (self.by_mesh.get(mesh) for mesh in meshes)
         return np.array([course.after(turns)[0] if course else 0 for course in found], dtype=np.int64)
 
-    def outputs(self, batch: Batch, x: Vector, s: Vector, phi: Vector | None, turns: Whole) -> Vector:
+    def outputs(self, batch: Callable[..., Vector], x: Vector, s: Vector, phi: Vector | None, turns: Whole) -> Vector:
         """Evaluate the outputs at many times.
 
         Parameters

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from ltcgear.generated.contract import Connection, Manifest
 
+from .members import train_of
+
 HOUSING = "housing"
 
 
@@ -43,9 +45,9 @@ class Topology:
     """
 
     def __init__(self, manifest: Manifest) -> None:
-        bodies = manifest.bodies
-        self.labels = {b.name: f"{b.stage} planets" if b.part == "planet" else b.name for b in bodies}
-        self._wholes = {self.labels[b.name]: b.stage or b.name for b in bodies}
+        train = train_of(manifest)
+        self.labels = {name: train.label(name) for name in train.members}
+        self._wholes = {label: train.stage(name) for name, label in self.labels.items()}
         angles = [state.body for state in manifest.states if state.kind == "deviation" and state.turns]
         self._rank = {body: k for k, body in enumerate(angles)}
         joining = [item for item in manifest.connections if item.kind != "load"]

@@ -6,7 +6,8 @@ scipy.signal is imported where it is called: its import takes half a second, and
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -183,15 +184,33 @@ def find_peaks(values: FloatArray, distance: int = 1) -> list[int]:
     return [int(top) for top in tops[np.argsort(-values[tops], kind="stable")]]
 
 
+@dataclass(frozen=True)
+class Sources:
+    """What turns and meshes, by name; what stands still explains nothing.
+
+    Attributes
+    ----------
+    meshes
+        Frequency of each stage's mesh [Hz].
+    carriers
+        Turns of carriers a second [Hz]: they modulate what a sensor in the housing sees.
+    shafts
+        Turns of further members a second [Hz]: eccentric gears show once a turn.
+    combs
+        Those of both that have lines at the neighbouring whole orders as well, as a fault that strikes once a turn.
+    stages
+        Stage of each carrier and shaft, whose meshes alone it modulates.
+    """
+
+    meshes: Mapping[str, float]
+    carriers: Mapping[str, float] = field(default_factory=dict)
+    shafts: Mapping[str, float] = field(default_factory=dict)
+    combs: Mapping[str, float] = field(default_factory=dict)
+    stages: Mapping[str, str] = field(default_factory=dict)
+
+
 def explain_line(
-    frequency_hz: float,
-    mesh_frequencies: Mapping[str, float],
-    tolerance_hz: float,
-    rotations: Mapping[str, float] | None = None,
-    shafts: Mapping[str, float] | None = None,
-    combs: Mapping[str, float] | None = None,
-    highest_hz: float = 0.0,
-    highest: int = HARMONICS,
+    frequency_hz: float, sources: Sources, tolerance_hz: float, highest_hz: float = 0.0, highest: int = HARMONICS
 ) -> tuple[str, str]:
     """Explain a line by what turns and meshes.
 
@@ -206,16 +225,10 @@ def explain_line(
     ----------
     frequency_hz
         Frequency of the line [Hz].
-    mesh_frequencies
-        Frequency of each stage's mesh [Hz], by name.
+    sources
+        What it may be of.
     tolerance_hz
         Largest distance that still counts as a match [Hz]; at least half a bin.
-    rotations
-        Turns of carriers a second [Hz], by name: they modulate what a sensor in the housing sees.
-    shafts
-        Turns of further members a second [Hz]: eccentric gears show once a turn.
-    combs
-        Those of both that have lines at the neighbouring whole orders as well, as a fault that strikes once a turn.
     highest_hz
         End of the spectrum, up to which orders count.
     highest
@@ -226,22 +239,8 @@ def explain_line(
     kind, name
         ``harmonic``, ``sideband`` or ``shaft``, and the name; "" twice for a line that nothing explains.
     """
-    turning = {name: value for name, value in mesh_frequencies.items() if value > 0.0}
-    carriers = {name: value for name, value in (rotations or {}).items() if value > 0.0}
-    others = {name: value for name, value in (shafts or {}).items() if value > 0.0}
-    close, end = CLOSE * tolerance_hz, highest_hz + tolerance_hz if highest_hz else 0.0
-    low, steps = range(1, min(CARRIER_ORDERS, highest) + 1), min(SIDE_ORDERS, highest)
-    sharp, wheels, faults = (_told_apart(of, close) for of in (turning, carriers | others, combs or {}))
-    tiers: tuple[tuple[str, float, Iterable[Candidate]], ...] = (
-        ("harmonic", tolerance_hz, _multiples(turning, highest)),
-        ("sideband", tolerance_hz, _sidebands(turning, [carriers, turning], low, steps)),
-        ("harmonic", close, _multiples(sharp, None, end)),
-        ("sideband", close, _sidebands(sharp, [carriers], None, steps, end)),
-        ("shaft", close, chain(_multiples(carriers | others, steps), _sidebands(turning, [others], low, steps))),
-        ("shaft", close, chain(_sidebands(sharp, [others, faults], None, steps, end), _multiples(faults, None, end))),
-        ("sideband", close, _sidebands(sharp, [sharp, wheels], None, FAR_ORDERS if end else 0, end)),
-    )
-    for kind, within, candidates in tiers:
+    end = highest_hz + tolerance_hz if highest_hz else 0.0
+    for kind, within, candidates in _tiers(sources, tolerance_hz, end, highest):
         matches = [
             (order, abs(value - frequency_hz), name)
             for order, value, name in candidates
@@ -252,15 +251,27 @@ def explain_line(
     return "", ""
 
 
-def name_line(
-    frequency_hz: float,
-    mesh_frequencies: Mapping[str, float],
-    tolerance_hz: float,
-    rotations: Mapping[str, float] | None = None,
-    highest: int = HARMONICS,
-) -> str:
+def _tiers(
+    sources: Sources, tolerance: float, end: float, highest: int
+) -> Iterator[tuple[str, float, Iterable[Candidate]]]:
+    """Yield kinds of explanations, the likeliest first, with the distance that counts and their candidates."""
+    every = (sources.meshes, sources.carriers, sources.shafts)
+    turning, carriers, others = ({name: value for name, value in of.items() if value > 0.0} for of in every)
+    close, low, steps = CLOSE * tolerance, range(1, min(CARRIER_ORDERS, highest) + 1), min(SIDE_ORDERS, highest)
+    sharp, wheels, faults = (_told_apart(of, close) for of in (turning, carriers | others, sources.combs))
+    sidebands = partial(_sidebands, sources.stages)
+    yield "harmonic", tolerance, _multiples(turning, highest)
+    yield "sideband", tolerance, sidebands(turning, [carriers, turning], low, steps)
+    yield "harmonic", close, _multiples(sharp, None, end)
+    yield "sideband", close, sidebands(sharp, [carriers], None, steps, end)
+    yield "shaft", close, chain(_multiples(carriers | others, steps), sidebands(turning, [others], low, steps))
+    yield "shaft", close, chain(sidebands(sharp, [others, faults], None, steps, end), _multiples(faults, None, end))
+    yield "sideband", close, sidebands(sharp, [sharp, wheels], None, FAR_ORDERS if end else 0, end)
+
+
+def name_line(frequency_hz: float, sources: Sources, tolerance_hz: float, highest: int = HARMONICS) -> str:
     """Return the name by which `explain_line` knows a line, "" for one that nothing explains."""
-    return explain_line(frequency_hz, mesh_frequencies, tolerance_hz, rotations, highest=highest)[1]
+    return explain_line(frequency_hz, sources, tolerance_hz, highest=highest)[1]
 
 
 def nearest_mode(frequency_hz: float, tolerance_hz: float, modes: Mapping[str, tuple[float, float]]) -> str:
@@ -286,13 +297,13 @@ def _told_apart(of: Mapping[str, float], close: float) -> dict[str, float]:
 
 
 def _sidebands(
-    meshes: Mapping[str, float], sides: Sequence[Mapping[str, float]], orders: range | None, steps: int,
-    end_hz: float = 0.0,
+    stages: Mapping[str, str], meshes: Mapping[str, float], sides: Sequence[Mapping[str, float]], orders: range | None,
+    steps: int, end_hz: float = 0.0,
 ) -> Iterator[Candidate]:  # fmt: skip
     """Yield the sidebands of harmonics of some orders, of all up to the end of the spectrum where they are None."""
     for carrier, centre in meshes.items():
         for side, distance in (pair for every in sides for pair in every.items()):
-            foreign = "." in side and side.split(".")[0] != carrier  # a carrier turns its own stage's meshes
+            foreign = stages.get(side, carrier) != carrier  # a carrier turns its own stage's meshes
             if distance >= centre or foreign:
                 continue
             for order in range(1, int(end_hz / centre) + 1) if orders is None else orders:

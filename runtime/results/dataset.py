@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 
 from ..model.layout import lay_out
 from ..model.library import Library
+from ..model.members import train_of
+from ..model.parameter_values import name_values
 from ..model.quantity_names import LONG_NAMES
 from .file_schema import FORM
 from .samples import Rows, by_quantity
 from .statistics import STATISTICS, Statistics
+from .train_record import TRAIN, write_train
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,7 +39,8 @@ def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics
     -------
     xarray.Dataset
         One variable per quantity over (time, item), with units and long names; the reference's angle, the
-        integrator's steps and all states over time; the parameters, and the members' places as attribute ``sheet``.
+        integrator's steps and all states over time; the parameters; the members' places as attribute ``sheet``, and
+        what members and meshes are as ``train``.
     """
     import xarray as xr
 
@@ -60,7 +64,9 @@ def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics
     units = json.dumps([state.unit for state in manifest.states])
     meta = {"units": "SI", "long_name": "state vector", "state_units": units}
     data["state"] = (("time", "state_name"), columns["state"], meta)
-    attributes = {"result_format": FORM, "sheet": json.dumps(asdict(lay_out(library, p)))}
+    attributes = {
+        "result_format": FORM, "sheet": json.dumps(asdict(lay_out(library, p))), TRAIN: write_train(train_of(manifest)),
+    }  # fmt: skip
     return xr.Dataset(data, coords=coordinates, attrs=attributes)
 
 
@@ -76,8 +82,7 @@ def columns_of(library: Library, rows: Rows) -> dict[str, NDArray[Any]]:
 
 def _parameters(library: Library, p: Vector, coordinates: dict[str, Any]) -> dict[str, Any]:
     """Return the parameters with their units, and the rotors' speeds over the reference's; 0 for one that rests."""
-    parameters = library.manifest.parameters
-    number = dict(zip((name for name, _ in parameters), p.tolist(), strict=True))
+    parameters, number = library.manifest.parameters, name_values(library.manifest, p)
     coordinates["parameter"] = list(number)
     coordinates["parameter_unit"] = ("parameter", [unit or "1" for _, unit in parameters])
     data: dict[str, Any] = {"parameter_value": ("parameter", p.copy(), {"long_name": LONG_NAMES["parameter_value"]})}

@@ -9,6 +9,7 @@ import numpy as np
 from ..model.quantity_names import LONG_NAMES
 from .attributes import STATISTICS
 from .checksums import find_changed
+from .train_record import TRAIN
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,6 +18,7 @@ FORM = 2
 """Number of the form of result files; it grows when files that a later ltcgear reads are no longer those of before."""
 NUMBER, WHOLE, MAYBE, WORDS = (int, float), (int,), (int, float, type(None)), (str, type(None))
 DISC = {"body": (str,), "x": NUMBER, "y": NUMBER, "radius": NUMBER, "part": (str,), "unit": NUMBER}
+MEMBER = {"stage": (str,), "part": (str,), "mass": (str,), "place": [(str,)], "held": (str,)}
 SHAPES: dict[str, Any] = {
     "counts": {...: WHOLE},
     "warnings": [(str,)],
@@ -28,6 +30,7 @@ SHAPES: dict[str, Any] = {
     "scene_json": {"effects": {...: (str,)}, "sources": {...: (str,)}},
     "setting": {...: (object,)},
     "sheet": {"discs": [DISC], "titles": [[(str, int, float)]], "width": NUMBER, "height": NUMBER},
+    TRAIN: {"members": {...: MEMBER}, "joints": {...: {"stage": (str,), "group": (str,), "front": (str,)}}},
 }
 """Attribute -> shape of its JSON: types, a list of one shape, a table of known keys, or of any (``...``)."""
 TEXT = ("scene", "title", "method", "why", "why_rate", "engine", "status", "scene_text")

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..model.energy_levels import LOADED
-from .statistics import group_of, stage_of
+from .train_record import read_train
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,12 +71,12 @@ def _thrust(dataset: xr.Dataset, data: xr.Variable) -> FloatArray | float:
         return 0.0
     known = dict(zip(map(str, dataset["parameter"].values), dataset["parameter_value"].values.tolist(), strict=True))
     top = np.abs(dataset["mesh_force"].transpose("time", ...).values).max(axis=0)
-    largest: dict[str, float] = {}
+    train, largest = read_train(dataset), dict[str, float]()
     for mesh, size in zip(map(str, dataset["mesh"].values), top.tolist(), strict=True):
-        largest[stage_of(mesh)] = max(largest.get(stage_of(mesh), 0.0), size)
+        largest[train.stage(mesh)] = max(largest.get(train.stage(mesh), 0.0), size)
     members = [str(member) for member in dataset.variables[data.dims[-1]].values]
-    masses = [known.get(f"{group_of(member)}.mass") or np.inf for member in members]
-    forces = np.array([largest.get(stage_of(member), 0.0) for member in members])
+    masses = [known.get(train.members[member].mass) or np.inf for member in members]
+    forces = np.array([largest.get(train.stage(member), 0.0) for member in members])
     return np.asarray(FLAT * forces / np.array(masses))
 
 

@@ -9,6 +9,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+def split_output(output: str) -> tuple[str, str]:
+    """Return quantity and item of QUANTITY:ITEM; the item is ``""`` where none is named."""
+    quantity, _, item = output.partition(":")
+    return quantity, item
+
+
 def find_columns(dataset: "xr.Dataset", wanted: list[str], option: str = "--output ") -> dict[str, list[str] | None]:
     """Return quantity -> items that are wanted of it; None where it is wanted as a whole, or has no items.
 
@@ -28,7 +34,7 @@ def find_columns(dataset: "xr.Dataset", wanted: list[str], option: str = "--outp
     """
     found: dict[str, list[str] | None] = {}
     for output in wanted:
-        quantity, _, item = output.partition(":")
+        quantity, item = split_output(output)
         items = _items(dataset, option + output, quantity)
         if item and item not in items:
             raise LtcgearError(f"{option}{output}: {quantity} has no such item; {nearest(item, items)}")

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .train_record import read_train
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -91,17 +93,6 @@ def window(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | No
             f"the record runs from {time[0]} s to {time[-1]} s; choose an earlier start"
         )
     return part
-
-
-def group_of(mesh: str) -> str:
-    """Group of a mesh: ``"lsp.sun_planet.1"`` belongs to ``"lsp.sun_planet"``."""
-    head, _, tail = mesh.rpartition(".")
-    return head if tail.isdigit() else mesh
-
-
-def stage_of(mesh: str) -> str:
-    """Gear set of a mesh: ``"lsp.sun_planet.1"`` belongs to ``"lsp"``."""
-    return mesh.partition(".")[0]
 
 
 def statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, float]]:
@@ -196,10 +187,10 @@ def mesh_frequencies(
     time = part["time"].values
     phase = part["mesh_phase"].transpose("time", ...)
     rates = np.abs(phase.values[-1] - phase.values[0]) / (time[-1] - time[0])
-    stages: dict[str, list[float]] = {}
+    train, stages = read_train(dataset), dict[str, list[float]]()
     # Flanks of a mesh with backlash share one phase, so phases may have a dimension of their own.
     for mesh, rate in zip(phase[phase.dims[-1]].values, rates, strict=True):
-        stages.setdefault(stage_of(str(mesh)), []).append(float(rate))
+        stages.setdefault(train.stage(str(mesh)), []).append(float(rate))
     return {stage: float(np.mean(values)) for stage, values in stages.items()}
 
 

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.blas import single_threaded
-from ..model.equilibrium import settled
 from ..model.function import Kernel
 from ..model.library import Library
 from ..model.operating_point import Complex, OperatingPoint
+from ..model.state_matrix import settled
 from .driver import LONGEST
 from .duty import Changes, list_duty
 from .methods.registry import ERK, ROSENBROCK

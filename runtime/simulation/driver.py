@@ -27,10 +27,11 @@ from .dense_output import Chebyshev, Nodes, Uniform
 from .event_functions import Watch
 from .methods import stepper
 from .methods.registry import Method
-from .methods.stepper import Counts, SegmentProblem, Stepper
+from .methods.stepper import SegmentProblem, Stepper
 from .quadrature import MOST, lobatto_rules
 from .run_settings import RunSettings
 from .smooth_arc import Frame
+from .trajectory import Counts
 
 Vector = NDArray[np.float64]
 MOST_TURNS = 16

@@ -3,14 +3,16 @@
 Friction is steepest at rest and teeth come and go with the speed, so what steps a run takes is a mean over its speeds.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model.function import Kernel
-from ..model.load_tables import Signals
+from ..model.load_tables import Pairs, Signals
 from ..model.operating_point import OperatingPoint
+from ..model.parameter_values import name_values
 from .run_settings import RunSettings
 
 Vector = NDArray[np.float64]
@@ -87,3 +89,15 @@ def _changes(signals: Signals, time: Vector) -> Changes:
         if not sloping:
             rates[i] = steepest / max(sizes[i], 1e-300)
     return Changes(sizes, np.maximum(rates, 1e-300))
+
+
+def reference_speed(point: OperatingPoint, tables: Mapping[str, Pairs] | None = None) -> float:
+    """Return the highest speed of the reference that is given, held, over time or at the start [rad/s]."""
+    manifest = point.library.manifest
+    names = [state.name for state in manifest.states]
+    number = name_values(manifest, point.p)
+    speeds = [number[name] for name in ("reference.speed",) if manifest.reference == "speed" and name in number]
+    speeds += [float(point.at.x[names.index(name)]) for name in ("reference.speed",) if name in names]
+    given = [signal.table for signal in manifest.signals if signal.name == "reference.speed"]
+    speeds += [value for table in given for _, value in (tables or {})[table]]
+    return max(map(abs, speeds), default=0.0)

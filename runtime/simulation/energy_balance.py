@@ -2,7 +2,7 @@
 
 from ..model.energy_levels import UNLOADED
 from ..model.operating_point import OperatingPoint
-from .integration import Outcome
+from .trajectory import Outcome
 
 
 def energy_residual(point: OperatingPoint, path: Outcome) -> float:

@@ -25,11 +25,11 @@ from ..results.dataset import make_dataset
 from ..results.result import Result
 from ..results.samples import no_rows
 from .choose_method import Choice
-from .methods.stepper import Counts
 from .room import check_size
 from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings
 from .sampling_rate import Rate
 from .simulate import Run, list_settings
+from .trajectory import Counts
 
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]

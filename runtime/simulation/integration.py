@@ -1,7 +1,6 @@
 """Integration: segments of smooth motion between switching instants, sampled on a uniform grid."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
@@ -10,73 +9,22 @@ from numpy.typing import NDArray
 
 from ..model.blas import single_threaded
 from ..model.contact_levels import levels_of
-from ..model.equilibrium import Equilibrium
-from ..model.library import Library
-from ..model.load_tables import Pairs, Signals
+from ..model.load_tables import Signals
 from ..model.operating_point import OperatingPoint
 from ..results.checkpoint import Snapshot
-from ..results.peaks import MeshExtremes
 from .driver import March
 from .failure import explain
 from .interrupt import Brake
-from .method_limits import check_run
-from .methods.stepper import Counts
+from .methods.registry import EXHAUSTED
 from .run_settings import RunSettings, check_length
-from .sampling import Block, Points, Samples, join
+from .sampling import Samples
+from .trajectory import Block, Outcome, Points, Told
 
 Vector = NDArray[np.float64]
-Told = Callable[[float], None]
 Push = Callable[[Block, Points], None]
 CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
-EXHAUSTED = "std::bad_alloc"
-"""What CasADi says where memory is short."""
 MARK_SECONDS, SLICE = 2.0, 0.05
 """Seconds between two marks of a run; seconds after which the C comes back to see whether it shall stop."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """How an integration went, up to its end or its failure.
-
-    Attributes
-    ----------
-    work
-        Work done on the system by loads and drives less losses [J].
-    jump_energy
-        Energy that the stiffness jumps put in [J].
-    energy
-        Kinetic and potential energy at the start and at the end [J].
-    counts
-        Steps, right-hand sides, Jacobians, segments, events.
-    expected_events
-        Switchings by kinematics: borders between the mesh phases at the start, where they turned back, and at the end.
-    extremes
-        Smallest and largest mesh forces.
-    status
-        ``done``, or why it stopped and what to do.
-    end
-        Time reached [s].
-    last
-        States, levels and load signals, and parameters there.
-    seconds
-        Time taken to set the integrator up (it may have to be compiled), to integrate and to read outputs [s].
-    """
-
-    work: float
-    jump_energy: float
-    energy: tuple[float, float]
-    counts: Counts
-    expected_events: int
-    extremes: MeshExtremes
-    status: str
-    end: float
-    last: tuple[Vector, Vector, Vector]
-    seconds: dict[str, float]
-
-
-@dataclass(frozen=True)
-class Trajectory(Outcome, Block):
-    """An integration with all its samples."""
 
 
 class Integration:
@@ -104,7 +52,6 @@ class Integration:
         clock, method, rate = perf_counter(), settings.method, settings.sampling_rate
         check_length(settings.t_end * rate)
         self.signals = Signals(point.library.manifest.signals, settings.tables or {})
-        check_run(point, settings)
         self.stopped = f"{method} stopped at t = {{:.6g}} s (rtol {settings.rtol:g})"
         try:
             self.march = March(point, settings, self.signals, passing=passing)
@@ -206,31 +153,3 @@ class Integration:
         now = perf_counter()
         self.seconds[stage] += now - self.clock
         self.clock = now
-
-
-def integrate(
-    library: Library, p: Vector, at: Equilibrium, *, t_end: float, rate: float, method: str, rtol: float,
-    told: Told = lambda t: None, tables: Mapping[str, Pairs] | None = None,
-) -> Trajectory:  # fmt: skip
-    """Integrate from the equilibrium, and keep all samples.
-
-    Parameters
-    ----------
-    library, p, at
-        Model, parameters and initial state.
-    t_end, rate, method, rtol, tables
-        See ``RunSettings``.
-    told
-        Called with the simulated time now and then.
-
-    Returns
-    -------
-    Trajectory
-        A failure is a status in it, and what was computed until then is kept.
-    """
-    kept: list[Block] = []
-    settings = RunSettings(t_end, rate, method, rtol, tables=tables)
-    outcome = Integration(OperatingPoint(library, p, at), settings).proceed(
-        lambda block, points: kept.append(block), told
-    )
-    return Trajectory(**vars(outcome), **vars(join(kept)))

@@ -15,9 +15,9 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from ..model.equilibrium import state_matrix
 from ..model.function import Kernel
 from ..model.operating_point import OperatingPoint
+from ..model.state_matrix import state_matrix
 
 Vector = NDArray[np.float64]
 LINEAR = 1e-9
@@ -145,8 +145,7 @@ class Exact:
 
         The reference angle, a clock, is left out.
         """
-        names = [state.name for state in self.library.manifest.states]
-        kept = np.array([i for i, name in enumerate(names) if not name.startswith("reference.")])
+        kept = np.array([i for i, state in enumerate(self.library.manifest.states) if not state.is_reference])
         product = np.eye(len(kept))
         for start, stop, level in self.pieces(self.period()):
             product = expm(self.generator(level)[np.ix_(kept, kept)] * (stop - start)) @ product

@@ -14,8 +14,8 @@ from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import TURN, Clocks
 from .choose_method import SHORTEST, reckon, step_operations
 from .driver import LONGEST as LONGEST_ARC
+from .duty import reference_speed
 from .run_settings import RunSettings
-from .sampling_rate import reference_speed
 
 REACH = 3.5
 """Step times |eigenvalue| up to which the explicit Runge-Kutta pair 5(4) of Tsitouras is stable."""

@@ -16,9 +16,8 @@ from ..results.checkpoint import Snapshot
 from ..results.samples import Rows, by_quantity, join_rows, no_rows
 from ..results.statistics import STATISTICS, Statistics
 from .averages import Averages
-from .integration import Outcome, Trajectory
 from .low_pass import BandFilter
-from .sampling import Block, Points
+from .trajectory import Block, Outcome, Points, Trajectory
 
 Vector = NDArray[np.float64]
 

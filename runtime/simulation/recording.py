@@ -11,10 +11,11 @@ from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.lock import Lock
 from ltcgear.generated.writing import check_output, is_forced, remove_drafts
 
-from ..model.equilibrium import Equilibrium, Vector, find_equilibrium
+from ..model.equilibrium import Vector, find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs, Signals
 from ..model.operating_point import OperatingPoint
+from ..model.state_matrix import Equilibrium
 from ..results.attributes import FORCES, GOES_ON, UNFINISHED, to_attributes
 from ..results.checkpoint import AGAIN, Snapshot, checkpoint_of, describe_run, read_checkpoint, write_checkpoint
 from ..results.dataset import columns_of, make_dataset
@@ -22,14 +23,14 @@ from ..results.result import RESULT, SWEEP, tell_kind
 from ..results.row_file import BEGIN_ANEW, Part, part_of, read_part
 from ..results.samples import Rows, no_rows
 from ..results.statistics import Statistics
-from .integration import Integration, Outcome
+from .integration import Integration
 from .low_pass import passing_speed
-from .methods.stepper import Counts
+from .method_limits import check_run
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_room
 from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings
-from .sampling import Block, Points
 from .simulate import resolve, summarise, tell_forces, verified
+from .trajectory import Block, Counts, Outcome, Points
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -161,6 +162,7 @@ def record(
         settings, about = resolve(point, given)
         if not kept:
             check_room(library, t_end * settings.sampling_rate, target)
+        check_run(point, settings)
         integration = Integration(point, settings, passing=passing_speed(settings.sampling_rate, raw))
         reader = Reader(library, p, settings.sampling_rate, t_end, raw)
         if kept:

@@ -1,8 +1,7 @@
 """Sampling of a motion: uniform samples and quadrature points, block by block."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,68 +9,12 @@ from numpy.typing import NDArray
 from ..model.contact_levels import levels_of
 from ..model.phase_wrapping import TURN
 from .driver import March
+from .trajectory import Block, Points, join
 
 Vector = NDArray[np.float64]
 
 BLOCK = 2048
 """Samples from which on a block is handed on."""
-
-
-@dataclass(frozen=True)
-class Block:
-    """Samples that follow each other: times [s], states, levels, load signals, shapes (m,) and (m, ...).
-
-    ``phi`` and ``turns`` are the reference angle [rad] less whole turns and these, ``steps`` the steps that the
-    integrator had made, shapes (m,).
-    """
-
-    time: Vector
-    x: Vector
-    levels: Vector
-    signals: Vector
-    phi: Vector
-    turns: NDArray[np.int64]
-    steps: Vector
-
-    @property
-    def s(self) -> Vector:
-        """Return levels and signals, the functions' second argument, shape (m, l + k)."""
-        return np.hstack([self.levels, self.signals])
-
-
-@dataclass(frozen=True)
-class Points:
-    """Points of the motion that follow each other, and the time that each stands for [s]: see ``model/c/points.c``.
-
-    What is not listed is that of a ``Block``.
-
-    Attributes
-    ----------
-    weight
-        Shape (m,); sums over it are integrals over time.
-    x
-        States, the reference angle less whole turns, shape (m, n).
-    """
-
-    time: Vector
-    weight: Vector
-    x: Vector
-    levels: Vector
-    signals: Vector
-    turns: NDArray[np.int64]
-
-    @property
-    def s(self) -> Vector:
-        """Return levels and signals, the functions' second argument, shape (m, l + k)."""
-        return np.hstack([self.levels, self.signals]) if self.signals.shape[1] else self.levels
-
-
-Joined = TypeVar("Joined", Block, Points)
-
-
-def join(blocks: list[Joined]) -> Joined:
-    """Join what follows each other."""
-    return type(blocks[0])(**{name: np.concatenate([vars(b)[name] for b in blocks]) for name in vars(blocks[0])})
 
 
 def no_points(march: March) -> Points:

@@ -13,6 +13,7 @@ from ..model.load_tables import Pairs
 from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import Clocks
 from .choose_method import excited_modes
+from .duty import reference_speed
 from .low_pass import BAND
 
 HARMONICS = 5
@@ -92,15 +93,3 @@ def mesh_frequency(point: OperatingPoint, tables: Mapping[str, Pairs] | None = N
     """
     advance = [abs(float(course.advance)) for course in Clocks(point.library.manifest, point.p).by_mesh.values()]
     return reference_speed(point, tables) * max(advance, default=0.0) / (2 * pi)
-
-
-def reference_speed(point: OperatingPoint, tables: Mapping[str, Pairs] | None = None) -> float:
-    """Return the highest speed of the reference that is given, held, over time or at the start [rad/s]."""
-    manifest = point.library.manifest
-    names = [state.name for state in manifest.states]
-    number = dict(zip((name for name, _ in manifest.parameters), point.p.tolist(), strict=True))
-    speeds = [number[name] for name in ("reference.speed",) if manifest.reference == "speed" and name in number]
-    speeds += [float(point.at.x[names.index(name)]) for name in ("reference.speed",) if name in names]
-    given = [signal.table for signal in manifest.signals if signal.name == "reference.speed"]
-    speeds += [value for table in given for _, value in (tables or {})[table]]
-    return max(map(abs, speeds), default=0.0)

@@ -19,13 +19,15 @@ from ..results.samples import Rows, by_quantity, join_rows
 from ..results.statistics import statistics
 from .choose_method import Choice, choose
 from .energy_balance import energy_residual
-from .integration import Integration, Outcome
+from .integration import Integration
 from .low_pass import BAND, passing_speed
+from .method_limits import check_run
 from .methods.registry import AUTO
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_size
 from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings, check_length
 from .sampling_rate import Rate, choose_rate
+from .trajectory import Outcome
 from .verify import estimate_accuracy
 
 if TYPE_CHECKING:
@@ -120,6 +122,7 @@ class Run:
         rate, t_end, raw = self.settings.sampling_rate, settings.t_end, settings.raw
         check_size(library, t_end * rate)
         self.reader, self.rows = Reader(library, p, rate, t_end, raw), list[Rows]()
+        check_run(point, self.settings)
         self.integration = Integration(point, self.settings, passing=passing_speed(rate, raw))
 
     def follow(self, told: Callable[[float], None]) -> None:

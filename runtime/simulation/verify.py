@@ -10,17 +10,19 @@ from numpy.typing import NDArray
 from ..model.operating_point import OperatingPoint
 from ..results.dataset import make_dataset
 from ..results.samples import Rows, join_rows
+from ..results.signal_errors import STILL, compare_signals
 from ..results.statistics import statistics
-from .integration import Integration, Told
+from .integration import Integration
 from .low_pass import passing_speed
+from .method_limits import check_run
 from .output_reader import Reader, motion_statistics
 from .run_settings import RunSettings
+from .trajectory import Told
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Vector = NDArray[np.float64]
-Signal = Vector | NDArray[np.complex128]
 WINDOW = 4096
 """Samples that are run twice, from the start on."""
 PARTS = 8
@@ -29,8 +31,6 @@ GROWTH = 10.0
 """Growth of the difference from the second to the last quarter by which runs part; with time squared it is 4."""
 PARTED = 0.3
 """Difference over the vibration from which two runs are no longer the same motion."""
-STILL = 1e-6
-"""Vibration over the mean below which a force stands still."""
 FINER = 0.1
 TOLD = ("mean", "min", "max", "rms", "load_factor")
 """Statistics of a mesh force that a run tells."""
@@ -83,6 +83,7 @@ def estimate_accuracy(
 def _follow(point: OperatingPoint, settings: RunSettings, told: Told) -> "xr.Dataset | str":
     """Return a run's forces of the instant, levels and statistics; the reason where it did not reach its end."""
     library, p, rate = point.library, point.p, settings.sampling_rate
+    check_run(point, settings)
     reader, rows = Reader(library, p, rate, settings.t_end, settings.raw), list[Rows]()
     integration = Integration(point, settings, passing=passing_speed(rate, settings.raw))
     outcome = integration.proceed(lambda block, points: rows.append(reader.read(block, points)), told)
@@ -116,26 +117,6 @@ def compare_statistics(
             for name, (a, b) in pairs.items()
         }
     return found
-
-
-def compare_signals(coarse: Signal, fine: Signal) -> dict[str, float | None]:
-    """Compare a signal with that of a finer run; one in a plane is given as x + iy.
-
-    Returns
-    -------
-    dict
-        Root mean square and peak of the difference over the finer signal's vibration (its standard deviation) and over
-        its mean's magnitude; None where there is nothing to refer to.
-    """
-    difference = np.abs(coarse - fine)
-    mean, vibration = float(np.abs(fine.mean())), float(fine.std())
-    sizes = {"vibration": vibration if vibration > STILL * mean else 0.0, "mean": mean}
-    errors = {"rms": float(np.sqrt(np.mean(difference**2))), "peak": float(difference.max())}
-    return {
-        f"{error}_over_{size}": value / scale if scale > 0 else None
-        for size, scale in sizes.items()
-        for error, value in errors.items()
-    }
 
 
 def tell_parting(forces: Vector, together: NDArray[np.bool_], window: float) -> str | None:

@@ -1,14 +1,15 @@
 """Comparison of the mesh forces of two runs: vibration, peaks, load shares, amplitudes at the mesh orders."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from ltcgear.generated.contract import BACK
 from numpy.typing import NDArray
 
-from ..results.statistics import group_of, stage_of, statistics, steady_start, window
-from ..simulation.verify import STILL
+from ..analysis.sharing import group_meshes
+from ..results.signal_errors import STILL
+from ..results.statistics import statistics, steady_start, window
+from ..results.train_record import read_train
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,15 +48,15 @@ def compare_forces(full: "xr.Dataset", other: "xr.Dataset") -> dict[str, dict[st
     one, two = ({name: forces.get(name, zero) for name in names} for forces in (one, two))
     phase = _phases(full)
     peaks = [_peaks(run) for run in (full, other)]
-    found = {}
-    for stage in dict.fromkeys(map(stage_of, names)):
-        meshes = [name for name in names if stage_of(name) == stage]
+    train, found = read_train(full), {}
+    for stage in dict.fromkeys(map(train.stage, names)):
+        meshes = [name for name in names if train.stage(name) == stage]
         found[stage] = {
             "force_rms": find_worst([_rms_change(one[m], two[m]) for m in meshes]),
             "force_peak": find_worst(
                 [_ratio(peaks[1].get(m, 0.0) - peaks[0].get(m, 0.0), peaks[0].get(m, 0.0)) for m in meshes]
             ),
-            "load_share": _share_change(one, two, meshes),
+            "load_share": _share_change(one, two, group_meshes(meshes, train).values()),
             "spectrum": find_worst([_spectrum_change(one[m], two[m], phase[m]) for m in meshes if m in phase]),
         }
     return found
@@ -68,9 +69,9 @@ def find_worst(values: Sequence[float | None]) -> float | None:
 
 def _peaks(dataset: "xr.Dataset") -> dict[str, float]:
     """Return the largest force [N] of the second half in every mesh, on whichever flank."""
-    found: dict[str, float] = {}
+    train, found = read_train(dataset), dict[str, float]()
     for name, force in statistics(dataset, steady_start(dataset)).items():
-        mesh = name.removesuffix(BACK)
+        mesh = train.front(name)
         found[mesh] = max(found.get(mesh, 0.0), abs(force["min"]), abs(force["max"]))
     return found
 
@@ -79,7 +80,9 @@ def _forces(dataset: "xr.Dataset") -> dict[str, Vector]:
     """Return the mesh forces [N] of the second half, those on the other flank against those on the loaded one."""
     forces = window(dataset)["mesh_force"]
     found = {str(name): forces.sel(mesh=name).values for name in forces["mesh"].values}
-    return {name: force - found.get(name + BACK, 0.0) for name, force in found.items() if not name.endswith(BACK)}
+    train = read_train(dataset)
+    behind = {train.front(name): force for name, force in found.items() if train.front(name) != name}
+    return {name: force - behind.get(name, 0.0) for name, force in found.items() if train.front(name) == name}
 
 
 def _phases(dataset: "xr.Dataset") -> dict[str, Vector]:
@@ -105,32 +108,31 @@ def _rms_change(one: Vector, two: Vector) -> float | None:
     return _ratio(float(two.std() - one.std()), float(one.std())) if _vibrates(one) else None
 
 
-def _share_change(one: Forces, two: Forces, meshes: Sequence[str]) -> float | None:
+def _share_change(one: Forces, two: Forces, groups: Iterable[Sequence[str]]) -> float | None:
     """Return the change of the largest planet's share; the worst group of meshes."""
-    shares = share_loads(one, two, meshes)
+    shares = share_loads(one, two, groups)
     return find_worst([float(after.max() - before.max()) for before, after in shares.values()])
 
 
-def share_loads(one: Forces, two: Forces, meshes: Sequence[str]) -> dict[tuple[str, ...], tuple[Vector, Vector]]:
+def share_loads(
+    one: Forces, two: Forces, groups: Iterable[Sequence[str]]
+) -> dict[tuple[str, ...], tuple[Vector, Vector]]:  # fmt: skip
     """Return the load shares of planets in two runs: the size of a mesh's mean force over the mean of its group.
 
     Parameters
     ----------
     one, two
         Forces by mesh, shape (n,) each [N].
-    meshes
-        Those that are shared; meshes without a group, and groups that carry nothing in one of the runs, are left out.
+    groups
+        Equal meshes each; groups of one, and those that carry nothing in one of the runs, are left out.
 
     Returns
     -------
     dict
         The meshes of a group -> shares in both runs, shape (meshes,) each [1].
     """
-    groups: dict[str, list[str]] = {}
-    for mesh in meshes:
-        groups.setdefault(group_of(mesh), []).append(mesh)
     found: dict[tuple[str, ...], tuple[Vector, Vector]] = {}
-    for group in groups.values():
+    for group in groups:
         before, after = (np.array([abs(forces[mesh].mean()) for mesh in group]) for forces in (one, two))
         if len(group) > 1 and before.sum() > 0 and after.sum() > 0:
             found[tuple(group)] = before / before.mean(), after / after.mean()

@@ -12,7 +12,8 @@ from ltcgear.generated.writing import written_whole
 
 from ..analysis.lines import find_clues
 from ..results.rounding import without_rounding
-from ..results.statistics import group_of, mesh_frequencies, pressure_angles, steady_start, window
+from ..results.statistics import mesh_frequencies, pressure_angles, steady_start, window
+from ..results.train_record import read_train
 from ..studies.wu2021.comparison import PRINTED_FORCE, named_lines, position_spectrum, published
 
 if TYPE_CHECKING:
@@ -172,7 +173,7 @@ def _draw_forces(axes: Axes, dataset: xr.Dataset, plan: _ForceFigure) -> bool:
     steady = window(dataset)
     if "mesh_force" not in steady:
         return False
-    names = [str(mesh) for mesh in steady["mesh"].values if group_of(str(mesh)) == plan.group]
+    names = [str(mesh) for mesh in steady["mesh"].values if read_train(steady).group(str(mesh)) == plan.group]
     if not names:
         return False
     forces, component = _oriented_forces(dataset, steady, names)
@@ -232,7 +233,7 @@ def _draw_spectrum(axes: Axes, dataset: xr.Dataset, plan: _SpectrumFigure) -> bo
     axes.semilogy(frequency[shown], amplitude[shown], color=BLUE, lw=0.9, label="simulated")
     _mark_printed(axes, plan)
     clues = find_clues(window(dataset))
-    _number_lines(axes, named_lines(frequency, amplitude, clues.meshes, clues.carriers, _NAMED, _SPECTRUM_LIMIT))
+    _number_lines(axes, named_lines(frequency, amplitude, clues.sources, _NAMED, _SPECTRUM_LIMIT))
     axes.set_ylim(top * 10.0**-_DECADES, top * 4.0)
     axes.set_xlim(0.0, _SPECTRUM_LIMIT)
     axes.set_title(f"{plan.title} (cf. Fig. {plan.number})", loc="left", fontsize=11)

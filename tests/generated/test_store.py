@@ -389,7 +389,7 @@ def test_a_folder_for_libraries_that_cannot_be_made_is_told(home, compiler):
 
 
 def test_a_model_is_compiled_once(home, runs):
-    from ltcgear.runtime.model.library import build
+    from ltcgear.runtime.model.building import build
     from ltcgear.symbolic.assembly import build_model
     from ltcgear.symbolic.emit.pipeline import generate
     from ltcgear.symbolic.scene.load import make_scene

@@ -6,11 +6,14 @@ from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
-from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
-from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.building import build
+from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
-from ltcgear.runtime.simulation.integration import Trajectory, integrate
+from ltcgear.runtime.model.state_matrix import Equilibrium
+from ltcgear.runtime.simulation.integrate import integrate
+from ltcgear.runtime.simulation.trajectory import Trajectory
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.mechanics.model import Model

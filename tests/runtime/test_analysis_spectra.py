@@ -22,7 +22,7 @@ from ltcgear.runtime.analysis.envelope import choose_band
 from ltcgear.runtime.analysis.lines import Clues
 from ltcgear.runtime.analysis.order_spectrum import choose_shaft
 from ltcgear.runtime.linear.modes import Mode
-from ltcgear.runtime.results.amplitude_spectrum import WINDOWS, explain_line, noise_bandwidth
+from ltcgear.runtime.results.amplitude_spectrum import WINDOWS, Sources, explain_line, noise_bandwidth
 
 from .outputs import output, result, times
 from .synthetic import FREE, HSP, LSP, PSH, STEADY, make_dataset
@@ -178,8 +178,11 @@ def test_without_clues_lines_have_no_names():
 )
 def test_explanations_in_turn(frequency, kind, name):
     meshes, carriers = {"lsp": 29.5, "hsp": 158.2, "psh": 628.3}, {"hsp.carrier": 1.34}
-    shafts = {"hsp.sun": 10.6, "psh.output": 29.9}
-    assert explain_line(frequency, meshes, 0.3, carriers, shafts, highest_hz=6000.0) == (kind, name)
+    shafts, stages = (
+        {"hsp.sun": 10.6, "psh.output": 29.9},
+        {"hsp.carrier": "hsp", "hsp.sun": "hsp", "psh.output": "psh"},
+    )
+    assert explain_line(frequency, Sources(meshes, carriers, shafts, stages=stages), 0.3, 6000.0) == (kind, name)
 
 
 @pytest.mark.parametrize(
@@ -193,7 +196,9 @@ def test_explanations_in_turn(frequency, kind, name):
 def test_every_order_of_a_shaft_with_a_fault_is_named(order, kind, name):
     """Twenty teeth: each whole order is a harmonic, a sideband of three steps at most, or so many turns."""
     comb = {"gear.input": 24.5}
-    assert explain_line(24.5 * order, {"gear": 490.0}, 0.6, {}, comb, comb, highest_hz=4200.0) == (kind, name)
+    assert explain_line(
+        24.5 * order, Sources({"gear": 490.0}, {}, comb, comb, {"gear.input": "gear"}), 0.6, 4200.0
+    ) == (kind, name)
 
 
 def pulses(turns=24.5, share=0.03, size=1.0):

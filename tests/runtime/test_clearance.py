@@ -7,11 +7,12 @@ import pytest
 from ltcgear.generated.errors import SceneError, SolverError
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.continuation import follow
-from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.model.state_matrix import Equilibrium
 from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.checks.all_checks import check_model

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 from ltcgear.generated import store
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import build
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain

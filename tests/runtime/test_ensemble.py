@@ -12,8 +12,8 @@ import pytest
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError, LtcgearError
 from ltcgear.runtime import simulate_many
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import build
 from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
 from ltcgear.runtime.model.rows import Batch, over_time
 from ltcgear.runtime.simulation import ensemble

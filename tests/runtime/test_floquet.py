@@ -9,7 +9,7 @@ from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime.linear.chart import RPM, draw_up
 from ltcgear.runtime.linear.floquet import find_monodromies, find_multipliers, settle
 from ltcgear.runtime.linear.periodic import vary
-from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.matrix_exponential import Exact
 from scipy.linalg import expm
 from scipy.optimize import brentq

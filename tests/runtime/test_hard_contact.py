@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.studies.selftest import contact_cases, dead_band, friction_cases, pair
 from ltcgear.runtime.studies.selftest.case import Bench
 from ltcgear.runtime.studies.selftest.impact import Impact

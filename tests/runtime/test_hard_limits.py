@@ -5,10 +5,10 @@ from functools import cache
 import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.dynamic_relaxation import relax
-from ltcgear.runtime.model.library import build
 from ltcgear.runtime.results.dataset import make_dataset
-from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.method_limits import check_explicit
 from ltcgear.runtime.simulation.output_reader import sampled
 from ltcgear.runtime.simulation.run_settings import RunSettings

@@ -8,14 +8,16 @@ import pytest
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError, LtcgearError
 from ltcgear.runtime.model import cstruct
-from ltcgear.runtime.model.equilibrium import Equilibrium, find_equilibrium, mean_levels, start_state, state_matrix
+from ltcgear.runtime.model.building import build, external
+from ltcgear.runtime.model.equilibrium import find_equilibrium, start_state
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import Library, build, external
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
+from ltcgear.runtime.model.state_matrix import Equilibrium, mean_levels, state_matrix
 from ltcgear.runtime.simulation.dense_output import Chebyshev, Uniform
 from ltcgear.runtime.simulation.energy_balance import energy_residual
-from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.methods import stepper
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from scipy.linalg import expm

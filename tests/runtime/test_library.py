@@ -14,7 +14,7 @@ import pytest
 from ltcgear import runtime, symbolic
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
-from ltcgear.runtime.model.library import load
+from ltcgear.runtime.model.shared_library import load
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.scene.load import make_scene
@@ -24,7 +24,7 @@ import numpy as np
 from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.simulation.smooth_arc import Frame
 from ltcgear.runtime.simulation.methods.registry import ROSENBROCK
 from ltcgear.runtime.simulation.methods.stepper import SegmentProblem

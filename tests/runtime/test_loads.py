@@ -12,7 +12,7 @@ from ltcgear.runtime.model.load_tables import Signals
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.results.dataset import make_dataset
 from ltcgear.runtime.simulation.energy_balance import energy_residual
-from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.simulation.output_reader import sampled
 from ltcgear.runtime.simulation.simulate import simulate

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.model.cstruct import Native
-from ltcgear.runtime.model.equilibrium import Equilibrium
 from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
 from ltcgear.runtime.model.quantity_names import PHASES
+from ltcgear.runtime.model.state_matrix import Equilibrium
 from ltcgear.runtime.results.dataset import make_dataset
 from ltcgear.runtime.results.statistics import mesh_frequencies
 from ltcgear.runtime.simulation.output_reader import outputs_of, sampled

@@ -6,7 +6,7 @@ from ltcgear.runtime.analysis.trace import phase_of
 from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
 from ltcgear.runtime.model.quantity_names import PHASES
 from ltcgear.runtime.results.dataset import make_dataset
-from ltcgear.runtime.results.statistics import group_of
+from ltcgear.runtime.results.train_record import group_of
 from ltcgear.runtime.simulation.output_reader import outputs_of, sampled
 
 from reference.hand_profiles import smooth_levels

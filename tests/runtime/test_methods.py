@@ -10,10 +10,11 @@ from ltcgear.runtime.simulation.driver import LONGEST, March
 from ltcgear.runtime.simulation.event_functions import Watch
 from ltcgear.runtime.simulation.methods import registry
 from ltcgear.runtime.simulation.methods.registry import METHODS
-from ltcgear.runtime.simulation.methods.stepper import Counts, SegmentProblem
+from ltcgear.runtime.simulation.methods.stepper import SegmentProblem
 from ltcgear.runtime.simulation.methods.sundials7 import STENCIL, SundaeStepper, interpolate
 from ltcgear.runtime.simulation.run_settings import RunSettings, check_options
 from ltcgear.runtime.simulation.smooth_arc import Frame
+from ltcgear.runtime.simulation.trajectory import Counts
 from ltcgear.runtime.studies.accuracy.reference import reference_methods
 
 from . import exact

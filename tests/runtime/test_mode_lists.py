@@ -8,8 +8,8 @@ from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.naming import describe_modes
 from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model import equilibrium
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.model.library import build
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 from ltcgear.symbolic.scene.load import shipped_scenes
@@ -133,7 +133,7 @@ def test_a_matrix_that_is_not_finite_is_refused_by_its_freedoms():
 @pytest.fixture(scope="module")
 def long(module_patch):
     """A train of 90 members, on CasADi's virtual machine."""
-    module_patch.setattr("ltcgear.runtime.model.library.store.compiler", lambda: None)
+    module_patch.setattr("ltcgear.runtime.model.building.store.compiler", lambda: None)
     from benchmarks.modes import long_train
 
     scene = long_train(14, 5)

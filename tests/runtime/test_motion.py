@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import build
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model import operating_point
-from ltcgear.runtime.model.equilibrium import closed, state_matrix
 from ltcgear.runtime.model.operating_point import OperatingPoint
+from ltcgear.runtime.model.state_matrix import closed, state_matrix
 from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.simulate import Run
 

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from ltcgear.runtime.results.amplitude_spectrum import Sources
 from ltcgear.runtime.studies.wu2021.comparison import published
 from ltcgear.runtime.studies.wu2021.line_origins import (
     count_chance,
@@ -17,6 +18,7 @@ from .synthetic import make_dataset
 
 MESHES = {"lsp": 29.5, "hsp": 158.2347, "psh": 628.2556}
 TURNS = {"lsp.carrier": 0.0, "hsp.carrier": 1.3409}
+SOURCES = Sources(MESHES, TURNS, stages={"lsp.carrier": "lsp", "hsp.carrier": "hsp"})
 
 
 def mode(hz, name="a mode"):
@@ -24,7 +26,7 @@ def mode(hz, name="a mode"):
 
 
 def test_every_simulated_line_of_the_paper_is_told_of():
-    lines = explain_lines(MESHES, TURNS, [mode(100.0)])
+    lines = explain_lines(SOURCES, [mode(100.0)])
     printed = {float(value) for row in published()["table8"]["rows"] for value in row.get("simulated", [])}
     assert [line.frequency_hz for line in lines] == sorted(printed)
     assert len(printed) == 14
@@ -48,11 +50,11 @@ def test_no_low_order_within_one_per_cent_is_passed_over():
     low += [n * MESHES["hsp"] + s * m * 1.3409 for n in range(1, 6) for m in range(1, 4) for s in (1, -1)]
     for place in np.arange(25.0, 650.0, 0.7):
         allowed = any(abs(value - place) <= 0.01 * place for value in low)
-        assert bool(forced_name(float(place), MESHES, TURNS)) == allowed, place
+        assert bool(forced_name(float(place), SOURCES)) == allowed, place
 
 
 def test_distances_are_those_of_what_explains():
-    lines = {line.frequency_hz: line for line in explain_lines(MESHES, TURNS, [mode(100.0), mode(552.0, "near")])}
+    lines = {line.frequency_hz: line for line in explain_lines(SOURCES, [mode(100.0), mode(552.0, "near")])}
     assert lines[59.2].off == pytest.approx(59.0 / 59.2 - 1)
     assert lines[506.6].off == pytest.approx((3 * 158.2347 + 29.5) / 506.6 - 1)
     assert (lines[557.5].kind, lines[557.5].name) == ("mode", "near")
@@ -61,12 +63,12 @@ def test_distances_are_those_of_what_explains():
 
 def test_high_orders_explain_nothing_unless_they_are_sharp():
     lone = {"lsp": 29.5}
-    assert forced_name(413.2, lone, {}) == ""
+    assert forced_name(413.2, Sources(lone)) == ""
     assert [
-        (line.kind, line.name) for line in explain_lines(lone, {}, [mode(100.0)]) if line.frequency_hz == 413.2
+        (line.kind, line.name) for line in explain_lines(Sources(lone), [mode(100.0)]) if line.frequency_hz == 413.2
     ] == [("harmonic", "14 lsp")]
-    assert forced_name(59.2, MESHES, TURNS) == "2 lsp"
-    assert forced_name(156.3, MESHES, TURNS) == "hsp - 1 hsp.carrier"
+    assert forced_name(59.2, SOURCES) == "2 lsp"
+    assert forced_name(156.3, SOURCES) == "hsp - 1 hsp.carrier"
 
 
 def test_lines_are_listed_once_with_all_their_places():
@@ -103,7 +105,7 @@ def test_the_skirt_of_a_line_and_dust_are_no_peaks():
 
 
 def test_chance_is_counted_over_the_frequencies_between_the_lines():
-    found = count_chance({"one": 300.0}, {}, [mode(100.0), mode(400.0), mode(5000.0), mode(0.0)])
+    found = count_chance(Sources({"one": 300.0}), [mode(100.0), mode(400.0), mode(5000.0), mode(0.0)])
     length = 628.1 - 29.5
     assert found["forced"] == pytest.approx((6.0 + 12.0 + 0.1) / length, abs=0.004)  # 300 and 600 Hz, 1 % each side
     assert found["mode"] == pytest.approx((2.0 + 8.0) / length, abs=0.004)

@@ -5,7 +5,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from ltcgear.runtime.simulation.integration import integrate
+from ltcgear.runtime.simulation.integrate import integrate
 from scipy.integrate import DOP853
 
 from regenerate import ROOT

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
+from ltcgear.runtime.model.building import external
 from ltcgear.runtime.model.function import Kernel
-from ltcgear.runtime.model.library import Library, external
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.simulation.methods import stepper
 from ltcgear.runtime.simulation.methods.c_problem import compiled_problem, layout, problem_c, scaled_problem
 

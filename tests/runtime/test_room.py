@@ -18,7 +18,7 @@ from .models import case
 MEASURE = """
 import re, sys
 from pathlib import Path
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.simulation.room import bytes_in_memory
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.assembly import build_model

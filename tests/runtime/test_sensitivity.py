@@ -7,8 +7,8 @@ import pytest
 from ltcgear.runtime.linear.modes import find_modes
 from ltcgear.runtime.linear.sensitivity import differentiate_modes
 from ltcgear.runtime.linear.system import linearise
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.model.library import build
 from ltcgear.runtime.studies.sensitivity.items import list_modes
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain

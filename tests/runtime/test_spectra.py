@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from ltcgear.runtime.results.amplitude_spectrum import (
     Line,
+    Sources,
     amplitude_spectrum,
     find_peaks,
     name_line,
@@ -16,6 +17,7 @@ from ltcgear.runtime.results.amplitude_spectrum import (
 RATE = 1000.0
 TIME = np.arange(1000) / RATE
 MESHES = {"lsp": 29.5, "hsp": 158.2, "psh": 628.3}
+STAGES = {"hsp.carrier": "hsp"}
 CARRIER = {"lsp.carrier": 0.0, "hsp.carrier": 1.34}
 
 
@@ -154,7 +156,7 @@ def test_silence_has_no_lines():
     ],
 )
 def test_names(frequency, name):
-    assert name_line(frequency, MESHES, 0.5) == name
+    assert name_line(frequency, Sources(MESHES), 0.5) == name
 
 
 @pytest.mark.parametrize(
@@ -172,25 +174,25 @@ def test_names(frequency, name):
     ],
 )
 def test_names_by_a_carriers_turns(frequency, name):
-    assert name_line(frequency, MESHES, 0.5, CARRIER) == name
+    assert name_line(frequency, Sources(MESHES, CARRIER, stages=STAGES), 0.5) == name
 
 
 def test_without_rotations_a_carriers_turns_explain_nothing():
-    assert [name_line(frequency, MESHES, 0.5) for frequency in (156.86, 159.54, 313.72, 624.28)] == [""] * 4
-    assert name_line(156.86, MESHES, 0.5, {"hsp.carrier": 0.0}) == ""
+    assert [name_line(frequency, Sources(MESHES), 0.5) for frequency in (156.86, 159.54, 313.72, 624.28)] == [""] * 4
+    assert name_line(156.86, Sources(MESHES, {"hsp.carrier": 0.0}, stages=STAGES), 0.5) == ""
 
 
 def test_of_sidebands_of_meshes_and_carriers_the_lowest_sum_of_orders_wins():
     # 628.3 - 158.2 = 470.1 Hz exactly; 3 * 158.2 - 3 * 1.34 = 470.58 Hz is 0.48 Hz away and of order 6.
-    assert name_line(470.1, MESHES, 0.5) == "psh - 1 hsp"
-    assert name_line(470.1, MESHES, 0.5, CARRIER) == "psh - 1 hsp"
+    assert name_line(470.1, Sources(MESHES), 0.5) == "psh - 1 hsp"
+    assert name_line(470.1, Sources(MESHES, CARRIER, stages=STAGES), 0.5) == "psh - 1 hsp"
 
 
 def test_a_low_order_beats_a_closer_high_one():
-    assert name_line(300.0, {"a": 30.0, "b": 150.2}, 0.5) == "2 b"
-    assert name_line(480.0, {"a": 20.0}, 0.5) == "24 a"
-    assert name_line(520.0, {"a": 20.0}, 0.5) == ""
+    assert name_line(300.0, Sources({"a": 30.0, "b": 150.2}), 0.5) == "2 b"
+    assert name_line(480.0, Sources({"a": 20.0}), 0.5) == "24 a"
+    assert name_line(520.0, Sources({"a": 20.0}), 0.5) == ""
 
 
 def test_standing_meshes_explain_nothing():
-    assert name_line(0.1, {"lsp": 0.0, "hsp": 50.0}, 0.5) == ""
+    assert name_line(0.1, Sources({"lsp": 0.0, "hsp": 50.0}), 0.5) == ""

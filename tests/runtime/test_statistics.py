@@ -1,12 +1,10 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.results.statistics import (
-    group_of,
     mesh_frequencies,
     pressure_angles,
     sampling_rate,
     shaft_speeds,
-    stage_of,
     statistics,
     steady_start,
     window,
@@ -78,13 +76,6 @@ def test_pressure_angles(dataset):
     wobble = 0.01 * np.sin(2 * np.pi * known["time"])
     moving = known.assign(pressure_angle=known["pressure_angle"] + wobble)
     assert pressure_angles(moving)["lsp.sun_planet.1"] == pytest.approx(ALPHA, abs=1e-5)
-
-
-def test_names_fall_into_groups_and_stages():
-    assert group_of("lsp.sun_planet.3") == "lsp.sun_planet"
-    assert group_of("psh.mesh") == "psh.mesh"
-    assert group_of("motor") == "motor"
-    assert stage_of("hsp.ring_planet.1") == "hsp"
 
 
 def test_windows(dataset):

@@ -16,8 +16,8 @@ from ltcgear.runtime.simulation.methods import stepper
 from ltcgear.runtime.simulation.output_reader import Reader, join_rows
 from ltcgear.runtime.simulation.recording import Recorder, record
 from ltcgear.runtime.simulation.run_settings import RunSettings
-from ltcgear.runtime.simulation.sampling import join
 from ltcgear.runtime.simulation.simulate import simulate
+from ltcgear.runtime.simulation.trajectory import join
 
 from .models import case
 

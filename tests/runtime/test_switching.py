@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.model.contact_levels import AT_BORDER, Phases, cells_of, levels_of, lower, upper
-from ltcgear.runtime.model.equilibrium import Equilibrium
+from ltcgear.runtime.model.state_matrix import Equilibrium
 
 from .engine import crossed, time_to_border
 from .hand_gearing import contact_ratio

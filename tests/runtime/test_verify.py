@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.results.dataset import make_dataset
+from ltcgear.runtime.results.signal_errors import compare_signals
 from ltcgear.runtime.simulation.output_reader import no_rows
 from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.simulate import simulate
-from ltcgear.runtime.simulation.verify import TOLD, compare_signals, estimate_accuracy, tell_parting
+from ltcgear.runtime.simulation.verify import TOLD, estimate_accuracy, tell_parting
 from scipy.integrate import solve_ivp
 
 from .models import case, run

@@ -5,7 +5,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 from ltcgear.runtime.export.fmu.binary import compile_fmu
-from ltcgear.runtime.model.library import build
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.simulation.methods.casadi import whole_c
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.c_text import c_text

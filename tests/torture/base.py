@@ -11,8 +11,8 @@ FEW = ("psh", "lsp")
 
 def _compile(few: bool) -> int:
     """Put shipped scenes and what simulates them into the store."""
+    from ltcgear.runtime.model.building import build
     from ltcgear.runtime.model.cstruct import engine
-    from ltcgear.runtime.model.library import build
     from ltcgear.symbolic import build_model, load_scene
     from ltcgear.symbolic.emit.pipeline import obtain
     from ltcgear.symbolic.scene.load import shipped_scenes

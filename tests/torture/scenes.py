@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 from ltcgear.generated import store
+from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
-from ltcgear.runtime.model.library import Library, build
+from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.results.result import Result
 from ltcgear.runtime.simulation.simulate import WRONG as OPEN_BALANCE
 from ltcgear.runtime.simulation.simulate import simulate

@@ -12,6 +12,7 @@ from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.operating_point import OperatingPoint
 from ...model.parameter_bounds import ANY, bounds_of
+from ...model.parameter_values import name_values
 from ...model.quantity_names import LONG_NAMES
 from ...results.dataset import speed_ratio
 from ..plain_c.data import PlainRun, fixed_parameters
@@ -28,6 +29,13 @@ STATISTICS = {"mean": "mean", "rms": "root mean square", "min": "least", "max": 
 OUTPUTS = ("output", "angle", "count", "statistic")
 """Kinds that are outputs of the FMU."""
 OVER_TIME = "_over_time"
+STATES = {
+    "reference angle": "angle of the reference",
+    "reference speed": "speed of the reference",
+    "deviation": "deviation from the rigid motion",
+    "rate": "rate of the deviation from the rigid motion",
+}
+"""Kind of state -> what it is."""
 INITIAL_SPEED = "reference.initial_speed"
 DUTY = "the user's duty: the rate of the speed beside it, zero while that is constant"
 
@@ -99,7 +107,7 @@ class Interface:
         self.bounds = [bounds_of(name, unit) for name, unit in self.manifest.parameters]
         self.inputs = list(_inputs(self.manifest, run, inputs, exchange))
         self.rotors = [(i, r.item) for i, r in enumerate(self.manifest.reports) if r.quantity == "twist"]
-        number = dict(zip((name for name, _ in self.manifest.parameters), self.p.tolist(), strict=True))
+        number = name_values(self.manifest, self.p)
         self.ratios = [speed_ratio(library, number, rotor) for _, rotor in self.rotors]
         _check_names([variable.name for variable in self.variables])
 
@@ -137,7 +145,7 @@ class Interface:
         for i, (state, size) in enumerate(zip(self.manifest.states, self.nominal, strict=True), start=first):
             yield Variable(
                 "state", structure(state.name), i, state.unit, "local", "continuous", "calculated", nominal=size,
-                description=_describe_state(state.name),
+                description=STATES[state.kind],
             )  # fmt: skip
 
     def _rates(self, first: int) -> Iterator[Variable]:
@@ -217,13 +225,6 @@ def _inputs(manifest: Manifest, run: PlainRun, wanted: Sequence[str], exchange: 
         yield Input(name, units[False], float(run.tables[table][0][1]), tables.index(table), False)
         if exchange and True in units:
             yield Input(f"{name.rpartition('.')[0]}.acceleration", units[True], 0.0, tables.index(table), True)
-
-
-def _describe_state(name: str) -> str:
-    """Say what a state is."""
-    if name.startswith("reference."):
-        return "angle of the reference" if name.endswith("angle") else "speed of the reference"
-    return ("rate of the deviation" if name.endswith(".rate") else "deviation") + " from the rigid motion"
 
 
 def _describe_input(item: Input, exchange: bool) -> str:

@@ -8,7 +8,7 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import CompileError
 
 from ...model import cstruct
-from ...model.library import load
+from ...model.shared_library import load
 
 NEEDED = "calling a model from Python needs a C compiler, and none was found; install gcc or clang, or name one with CC"
 FIELDS = (

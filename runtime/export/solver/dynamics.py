@@ -16,6 +16,7 @@ from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs, Signals
 from ...model.operating_point import OperatingPoint
+from ...results.select import split_output
 from .c_binding import Callee
 
 if TYPE_CHECKING:
@@ -233,9 +234,9 @@ class Dynamics:
 
     def columns(self, quantity: str) -> list[int]:
         """Return the columns of ``outputs`` that hold a quantity, as ``mesh_force``; or one item's, QUANTITY:ITEM."""
-        found = [i for i, name in enumerate(self.output_names) if quantity in (name, name.partition(":")[0])]
+        found = [i for i, name in enumerate(self.output_names) if quantity in (name, split_output(name)[0])]
         if not found:
-            known = dict.fromkeys(name.partition(":")[0] for name in self.output_names)
+            known = dict.fromkeys(split_output(name)[0] for name in self.output_names)
             raise LtcgearError(f"no output {quantity!r}; there are {', '.join(known)}")
         return found
 

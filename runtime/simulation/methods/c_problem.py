@@ -15,7 +15,8 @@ import numpy as np
 from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 
-from ...model.library import Library, load
+from ...model.library import Library
+from ...model.shared_library import load
 
 CALLED = ("rhs", "jac_rhs", "energy")
 """The model's functions that the problem calls."""

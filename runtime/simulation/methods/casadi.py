@@ -16,11 +16,13 @@ from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
 from ...model.function import Kernel
-from ...model.library import Library, load
+from ...model.library import Library
+from ...model.shared_library import load
 from ..smooth_arc import Arc
+from ..trajectory import Counts
 from . import stepper
 from .c_problem import compiled_problem, layout, scaled_problem
-from .stepper import CONSTANT, Counts, SegmentProblem
+from .stepper import CONSTANT, SegmentProblem
 
 Vector = NDArray[np.float64]
 Options = dict[str, Any]

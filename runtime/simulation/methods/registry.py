@@ -16,6 +16,9 @@ from ltcgear.generated.errors import LtcgearError
 if TYPE_CHECKING:
     from .stepper import SegmentProblem, Stepper
 
+EXHAUSTED = "std::bad_alloc"
+"""What CasADi says where memory is short."""
+
 
 @dataclass(frozen=True)
 class Method:

@@ -13,25 +13,13 @@ from numpy.typing import NDArray
 from ...model.library import Library
 from ..event_functions import Watch
 from ..smooth_arc import Arc, Frame
+from ..trajectory import Counts
 
 Vector = NDArray[np.float64]
 MOST_STEPS = 1_000_000
 """Steps in a segment above which an integrator gives up."""
 CONSTANT = np.zeros(0)
 """Rates of the load signals of a model that has none."""
-
-
-@dataclass
-class Counts:
-    """What a run has cost; added up over segments."""
-
-    steps: int = 0
-    rhs: int = 0
-    jacobian: int = 0
-    rejected: int = 0
-    segments: int = 0
-    events: int = 0
-    regimes: int = 0
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,9 @@ from sksundae.cvode import CVODE
 
 from ...model.function import Kernel
 from ..smooth_arc import Arc
+from ..trajectory import Counts
 from .c_problem import layout, scaled_problem
-from .stepper import CONSTANT, MOST_STEPS, Counts, SegmentProblem
+from .stepper import CONSTANT, MOST_STEPS, SegmentProblem
 
 Vector = NDArray[np.float64]
 for level in ("ERROR", "WARNING"):  # SUNDIALS would write to stdout, which is the commands' own

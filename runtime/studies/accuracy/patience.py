@@ -5,7 +5,7 @@ from time import perf_counter
 
 from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
 
-from ...simulation.integration import Trajectory
+from ...simulation.trajectory import Trajectory
 from ..selftest.case import Bench
 
 FEWEST = 64

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from ltcgear.generated.errors import LtcgearError, MachineError, SolverError
 
-from ...simulation.integration import Trajectory
 from ...simulation.matrix_exponential import Exact
 from ...simulation.methods.registry import METHODS
+from ...simulation.trajectory import Trajectory
 from ...simulation.verify import tell_parting
 from ..selftest.case import Bench
 from .patience import Patience

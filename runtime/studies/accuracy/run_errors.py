@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...analysis.sharing import group_meshes
+from ...model.members import train_of
 from ...model.phase_wrapping import Clocks
-from ...results.statistics import group_of
-from ...simulation.integration import Trajectory
+from ...results.signal_errors import STILL, Signal, compare_signals
 from ...simulation.output_reader import outputs_of
-from ...simulation.verify import STILL, Signal, compare_signals
-from ..force_comparison import pair_orders, share_loads
+from ...simulation.trajectory import Trajectory
+from ..force_comparison import Forces, pair_orders, share_loads
 from ..selftest.case import Bench
 
 Vector = NDArray[np.float64]
@@ -35,13 +36,15 @@ LINES = 1e-2
 class ComparedSamples:
     """What is compared of a run: levels, states less their start over their scale, signals by kind and item.
 
-    A force in a plane is x + iy. ``phases`` are those of the meshes [cycles].
+    A force in a plane is x + iy. ``phases`` are those of the meshes [cycles],
+    ``groups`` are of equal meshes.
     """
 
     levels: Vector
     states: dict[str, Vector]
     signals: dict[str, dict[str, Signal]]
     phases: dict[str, Vector]
+    groups: list[list[str]]
 
     def moves(self, size: float) -> bool:
         """Say whether any state moves that far from its start, over its scale; the reference turns without that."""
@@ -57,13 +60,15 @@ def take_samples(bench: Bench, path: Trajectory) -> ComparedSamples:
         read.setdefault(report.quantity, {})[report.item] = column
     scaled = (path.x - bench.at.x) / bench.point.scale
     states = {state.name: column for state, column in zip(library.manifest.states, scaled.T, strict=True)}
-    turning = {name: twist for name, twist in read.get("twist", {}).items() if group_of(name) == name}
+    train = train_of(library.manifest)
+    turning = {name: twist for name, twist in read.get("twist", {}).items() if not train.is_planet(name)}
     signals: dict[str, dict[str, Signal]] = {
         "mesh_force": dict(read.get("mesh_force", {})),
         "bearing_force": _planar(read, "pin_force") | _planar(read, "bearing_force"),
         "transmission_error": dict(turning),  # angle of a member that is no planet against the rigid motion [rad]
     }
-    return ComparedSamples(path.levels, states, signals, read.get("mesh_phase", {}))
+    groups = list(group_meshes(signals["mesh_force"], train).values())
+    return ComparedSamples(path.levels, states, signals, read.get("mesh_phase", {}), groups)
 
 
 def _planar(read: Mapping[str, Mapping[str, Vector]], quantity: str) -> dict[str, Signal]:
@@ -88,7 +93,9 @@ def find_errors(reference: ComparedSamples, run: ComparedSamples) -> Errors:
     for kind, floor in _floors(reference).items():
         found[kind] = _worst_signal(reference.signals[kind], run.signals[kind], together, floor)
     one, two = ({name: force.real for name, force in s.signals["mesh_force"].items()} for s in (reference, run))
-    found["load_share"] = _load_share(*({name: force[together] for name, force in s.items()} for s in (one, two)))
+    found["load_share"] = _load_share(
+        reference.groups, *({name: force[together] for name, force in s.items()} for s in (one, two))
+    )  # fmt: skip
     found["spectrum"] = _spectrum(one, two, together, reference.phases)
     found["states"] = _states(reference.states, run.states, together)
     return found
@@ -123,10 +130,10 @@ def _worst_signal(
     return max(found, key=lambda errors: float(errors["value"]), default=None)
 
 
-def _load_share(one: Mapping[str, Vector], two: Mapping[str, Vector]) -> Errors | None:
+def _load_share(groups: list[list[str]], one: Forces, two: Forces) -> Errors | None:
     """Return the largest difference of a planet's share: its mean force over the mean of all planets."""
     found: list[Errors] = []
-    for meshes, (before, after) in share_loads(one, two, list(one)).items():
+    for meshes, (before, after) in share_loads(one, two, groups).items():
         off = np.abs(after - before)
         found.append({"value": float(off.max()), "item": meshes[int(off.argmax())]})
     return max(found, key=lambda errors: float(errors["value"]), default=None)

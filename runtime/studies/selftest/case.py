@@ -10,11 +10,13 @@ import numpy as np
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
 
-from ...model.equilibrium import Equilibrium, find_equilibrium
+from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs
 from ...model.operating_point import OperatingPoint
-from ...simulation.integration import Trajectory, integrate
+from ...model.state_matrix import Equilibrium
+from ...simulation.integrate import integrate
+from ...simulation.trajectory import Trajectory
 
 Vector = NDArray[np.float64]
 

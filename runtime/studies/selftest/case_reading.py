@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.rows import over_time
-from ...simulation.integration import Trajectory
 from ...simulation.matrix_exponential import Exact
+from ...simulation.trajectory import Trajectory
 from .case import Bench, Finding
 
 Vector = NDArray[np.float64]

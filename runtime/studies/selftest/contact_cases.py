@@ -6,8 +6,8 @@ from math import asin, pi, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulation.integration import Trajectory
 from ...simulation.methods.registry import METHODS
+from ...simulation.trajectory import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .dead_band import CASES as SWEPT
 from .impact import Impact

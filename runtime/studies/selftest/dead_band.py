@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...model.load_tables import Pairs
 from ...simulation.energy_balance import energy_residual
-from ...simulation.integration import Trajectory
+from ...simulation.trajectory import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .pair import TorsionalPair, read
 

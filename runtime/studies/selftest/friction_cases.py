@@ -5,11 +5,11 @@ from dataclasses import replace
 from math import pi
 
 import numpy as np
-from ltcgear.generated.contract import BACK
 
 from ...model.function import Kernel
+from ...model.members import train_of
 from ...simulation.energy_balance import energy_residual
-from ...simulation.integration import Trajectory
+from ...simulation.trajectory import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .pair import read, read_power_lost
 from .planets import RubbingPlanets
@@ -115,8 +115,8 @@ def check_turn(opened: Open, method: str, long: bool) -> Iterable[Finding]:
         yield Finding(f"energy balance, {law}, over all work", abs(residual), 1e-6)
         expected = np.nan if path.expected_events is None else path.expected_events
         yield Finding(f"jumps of stiffness lost or doubled, {law}", abs(path.counts.events - expected), 0)
-        forces = read(bench, path, "mesh_force")
-        back = max(float(force.max()) for mesh, force in forces.items() if mesh.endswith(BACK))
+        forces, train = read(bench, path, "mesh_force"), train_of(bench.library.manifest)
+        back = max(float(force.max()) for mesh, force in forces.items() if train.front(mesh) != mesh)
         yield Finding(f"other flanks that never touch, {law}", float(back <= 0), 0)
         yield Finding(f"largest pull, {law}, over the largest push", -path.extremes.lowest.min() / back, 1e-9)
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from ...linear.modes import find_modes
 from ...linear.system import linearise
 from ...model.rows import over_time
-from ...simulation.integration import Trajectory
 from ...simulation.methods.registry import METHODS
+from ...simulation.trajectory import Trajectory
 from .case import Bench, Finding, HardCase, Open
 
 Vector = NDArray[np.float64]

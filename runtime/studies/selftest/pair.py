@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.equilibrium import Equilibrium
 from ...model.rows import over_time
-from ...simulation.integration import Trajectory
+from ...model.state_matrix import Equilibrium
+from ...simulation.trajectory import Trajectory
 from .case import Bench
 
 Vector = NDArray[np.float64]

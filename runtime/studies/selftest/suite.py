@@ -11,8 +11,7 @@ from typing import Any
 
 from ltcgear.generated.errors import LtcgearError, MachineError
 
-from ...simulation.integration import Trajectory
-from ...simulation.methods.stepper import Counts
+from ...simulation.trajectory import Counts, Trajectory
 from .case import Bench, Finding, HardCase, Open
 
 OK, SLOW, WRONG, REFUSED = VERDICTS = ("ok", "slow", "wrong", "refused")

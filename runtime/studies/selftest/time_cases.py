@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from ...linear.modes import find_modes
 from ...linear.system import linearise
-from ...model.equilibrium import Equilibrium
 from ...model.function import Kernel
-from ...simulation.integration import Trajectory
+from ...model.parameter_values import name_values
+from ...model.state_matrix import Equilibrium
 from ...simulation.matrix_exponential import Exact
 from ...simulation.methods.registry import METHODS
+from ...simulation.trajectory import Trajectory
 from .case import Bench, Finding, HardCase, Open
 from .case_reading import mesh_forces, off
 
@@ -124,7 +125,7 @@ def check_wrap(open_: Open, method: str, full: bool) -> Iterator[Finding]:
 
 def _turned(bench: Bench, path: Trajectory) -> float:
     """Return how often the carrier has turned."""
-    known = dict(zip((name for name, _ in bench.library.manifest.parameters), bench.p, strict=True))
+    known = name_values(bench.library.manifest, bench.p)
     angle = [state.name for state in bench.library.manifest.states].index("reference.angle")
     return float(abs(path.x[-1, angle] * known["gear.carrier.speed_ratio"]) / (2 * np.pi))
 

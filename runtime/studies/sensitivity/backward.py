@@ -11,7 +11,8 @@ from ltcgear.generated.errors import CompileError, LtcgearError, SolverError
 from numpy.typing import NDArray
 
 from ...model.cstruct import FAULTS, NEEDED, STAGES, Function, engine
-from ...model.library import Library, load
+from ...model.library import Library
+from ...model.shared_library import load
 from .course import Course, Piece
 
 Vector = NDArray[np.float64]
@@ -118,10 +119,8 @@ class Backward:
 
 def vibrating(course: Course) -> Vector:
     """Return the sizes of vibrations, zero for the motion of the reference: it is carried along, and no vibration."""
-    names = [state.name for state in course.library.manifest.states]
-    return np.array(
-        [0.0 if name.startswith("reference.") else size for name, size in zip(names, course.scale, strict=True)]
-    )
+    states = course.library.manifest.states
+    return np.array([0.0 if state.is_reference else size for state, size in zip(states, course.scale, strict=True)])
 
 
 def _motion_gradient(library: Library) -> ca.Function:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...model.quantity_names import PHASES
 from ...model.rows import Batch
+from ...results.select import split_output
 from ...simulation.dense_output import Chebyshev
 from .course import Course, Piece
 from .extreme import SIGNS, Instant, find_extreme
@@ -56,7 +57,7 @@ def find_output(manifest: Manifest, wanted: str) -> int:
     LtcgearError
         If there is no such output, or its mean says nothing.
     """
-    quantity, _, item = wanted.partition(":")
+    quantity, item = split_output(wanted)
     reports = [f"{report.quantity}:{report.item}" for report in manifest.reports]
     if quantity in PHASES:
         raise LtcgearError(f"--output {wanted}: {quantity} grows with time, so it has no mean; give another output")

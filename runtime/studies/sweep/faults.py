@@ -5,7 +5,7 @@ from contextlib import contextmanager
 
 from ltcgear.generated.errors import LtcgearError, MachineError
 
-from ...simulation.integration import EXHAUSTED
+from ...simulation.methods.registry import EXHAUSTED
 
 CRASHES = {"SIGSEGV", "SIGABRT", "SIGFPE", "SIGILL"}
 """Signals by which a process ends through what it computes; others come from outside, as where memory runs out."""

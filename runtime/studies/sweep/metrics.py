@@ -20,8 +20,9 @@ from ...results.rounding import without_rounding
 from ...results.select import find_columns, nearest
 from ...results.statistics import STATISTICS as MOTION
 from ...results.statistics import mesh_frequencies, sample_statistics, statistics, steady_start, window
+from ...results.train_record import read_train
 from ...simulation.low_pass import BAND
-from ...simulation.methods.stepper import Counts
+from ...simulation.trajectory import Counts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -125,7 +126,9 @@ def _force_statistics(run: Result, name: str) -> dict[str, dict[str, float]]:
 def _take_load_share(run: Result) -> Taken:
     """Take each planet's mean share, and the largest of each group; NaN where a group carries nothing."""
     found = run.summary.get("forces") or _force_statistics(run, "load_share")
-    groups = {group: meshes for group, meshes in group_meshes(found).items() if len(meshes) > 1}
+    groups = {
+        group: meshes for group, meshes in group_meshes(found, read_train(run.dataset)).items() if len(meshes) > 1
+    }
     if not groups:
         raise LtcgearError("--metric load_share: this scene has no meshes that share a load; leave the metric out")
     shares = {mesh: share for meshes in groups.values() for mesh, share in _share(found, meshes)}

@@ -9,7 +9,7 @@ import numpy as np
 from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError, SceneError
 
-from ...model.library import build
+from ...model.building import build
 from ...results.dataset import make_dataset
 from ...results.samples import no_rows
 from ...simulation.room import check_size

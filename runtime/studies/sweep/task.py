@@ -15,9 +15,10 @@ from ltcgear.generated.contract import Artifact
 from ltcgear.generated.errors import LtcgearError, MachineError
 from numpy.typing import NDArray
 
-from ...model.library import Library, build
+from ...model.building import build
+from ...model.library import Library
 from ...model.load_tables import Pairs
-from ...simulation.integration import EXHAUSTED
+from ...simulation.methods.registry import EXHAUSTED
 from ...simulation.run_settings import RunSettings
 from ...simulation.simulate import simulate
 from .design import Design

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...analysis.lines import find_clues
-from ...results.amplitude_spectrum import Line, amplitude_spectrum, name_line, planar_spectrum, strongest_lines
+from ...results.amplitude_spectrum import Line, Sources, amplitude_spectrum, name_line, planar_spectrum, strongest_lines
 from ...results.rounding import without_rounding
 from ...results.statistics import (
-    group_of,
     mesh_frequencies,
     pressure_angles,
     sampling_rate,
@@ -22,6 +21,7 @@ from ...results.statistics import (
     window,
 )
 from ...results.table import Cell, Table
+from ...results.train_record import group_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -164,7 +164,7 @@ def _own_lines(dataset: xr.Dataset, member: str, start: float) -> str:
         return "not simulated"
     _, _, frequency, amplitude = found
     clues = find_clues(window(dataset, start))
-    lines = named_lines(frequency, amplitude, clues.meshes, clues.carriers)
+    lines = named_lines(frequency, amplitude, clues.sources)
     text = "\n".join(f"{line.frequency_hz:.1f} ({name or '?'}) {line.amplitude:.2g}" for line, name in lines)
     return text or "none above rounding"
 
@@ -205,8 +205,7 @@ def position_spectrum(
 def named_lines(
     frequency: FloatArray,
     amplitude: FloatArray,
-    meshes: dict[str, float],
-    rotations: dict[str, float] | None = None,
+    sources: Sources,
     count: int = LIST_LENGTH,
     limit_hz: float = LIST_LIMIT,
 ) -> list[tuple[Line, str]]:
@@ -216,10 +215,8 @@ def named_lines(
     ----------
     frequency, amplitude
         Spectrum, shape (m,) each [Hz], [any unit].
-    meshes
-        Mesh frequency by gear set [Hz].
-    rotations
-        Rotation frequency of carriers [Hz].
+    sources
+        Mesh frequencies and turns of carriers.
     count
         How many lines at most.
     limit_hz
@@ -234,7 +231,7 @@ def named_lines(
     below = frequency <= limit_hz
     lines = strongest_lines(frequency[below], amplitude[below], count, max(SEPARATION, 2.0 * resolution))
     tolerance = max(resolution, NAMING)
-    return [(line, name_line(line.frequency_hz, meshes, tolerance, rotations)) for line in lines]
+    return [(line, name_line(line.frequency_hz, sources, tolerance)) for line in lines]
 
 
 def _table9(dataset: xr.Dataset, start: float) -> Table:

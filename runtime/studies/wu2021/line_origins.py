@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...results.amplitude_spectrum import name_line
+from ...results.amplitude_spectrum import Sources, name_line
 from .comparison import LIST_LIMIT, position_spectrum, published
 
 if TYPE_CHECKING:
@@ -62,17 +62,17 @@ def printed_lines(kinds: Sequence[str] = ("measured", "simulated")) -> dict[floa
     return dict(sorted(found.items()))
 
 
-def forced_name(frequency_hz: float, meshes: Mapping[str, float], turns: Mapping[str, float]) -> str:
+def forced_name(frequency_hz: float, sources: Sources) -> str:
     """Name a line as a low harmonic or sideband within ``NEAR``, or "" where it is none.
 
     Parameters
     ----------
     frequency_hz
         The line [Hz].
-    meshes, turns
+    sources
         Mesh frequency of each stage and turns of each carrier [Hz], by name.
     """
-    return name_line(frequency_hz, meshes, NEAR * frequency_hz, turns, HIGHEST)
+    return name_line(frequency_hz, sources, NEAR * frequency_hz, HIGHEST)
 
 
 def sharp_names(frequency_hz: float, meshes: Mapping[str, float]) -> list[str]:
@@ -85,14 +85,12 @@ def sharp_names(frequency_hz: float, meshes: Mapping[str, float]) -> list[str]:
     ]
 
 
-def explain_lines(
-    meshes: Mapping[str, float], turns: Mapping[str, float], modes: Sequence["Mode"]
-) -> list[Explanation]:
+def explain_lines(sources: Sources, modes: Sequence["Mode"]) -> list[Explanation]:
     """Explain the lines that the paper's simulation showed.
 
     Parameters
     ----------
-    meshes, turns
+    sources
         Mesh frequency of each stage and turns of each carrier [Hz], by name.
     modes
         Modes of the model, with names.
@@ -102,29 +100,26 @@ def explain_lines(
     list of Explanation
         In order of frequency. Harmonics and sidebands come first, since a mode sounds where it is driven.
     """
-    return [
-        _explain(value, tuple(places), meshes, turns, modes) for value, places in printed_lines(("simulated",)).items()
-    ]
+    return [_explain(value, tuple(places), sources, modes) for value, places in printed_lines(("simulated",)).items()]
 
 
 def _explain(
-    value: float, places: tuple[str, ...], meshes: Mapping[str, float], turns: Mapping[str, float],
-    modes: Sequence["Mode"],
+    value: float, places: tuple[str, ...], sources: Sources, modes: Sequence["Mode"],
 ) -> Explanation:  # fmt: skip
     """Explain one line."""
-    sharp = sharp_names(value, meshes)
-    if name := forced_name(value, meshes, turns) or next(iter(sharp), ""):
+    sharp = sharp_names(value, sources.meshes)
+    if name := forced_name(value, sources) or next(iter(sharp), ""):
         kind = "harmonic" if " + " not in name and " - " not in name else "sideband"
-        off = _frequency(name, meshes, turns) / value - 1
+        off = _frequency(name, sources) / value - 1
         return Explanation(value, places, kind, " or ".join(dict.fromkeys([name, *sharp])), off)
     mode = min(modes, key=lambda mode: abs(mode.frequency_hz - value))
     off = mode.frequency_hz / value - 1
     return Explanation(value, places, "mode" if abs(off) <= NEAR else "unexplained", mode.name, off)
 
 
-def _frequency(name: str, meshes: Mapping[str, float], turns: Mapping[str, float]) -> float:
+def _frequency(name: str, sources: Sources) -> float:
     """Return the frequency that a name of ``name_line`` stands for [Hz]."""
-    known, total, sign = {**turns, **meshes}, 0.0, 1.0
+    known, total, sign = {**sources.carriers, **sources.meshes}, 0.0, 1.0
     order = 1.0
     for word in name.split():
         if word in "+-":
@@ -136,7 +131,7 @@ def _frequency(name: str, meshes: Mapping[str, float], turns: Mapping[str, float
     return total
 
 
-def count_chance(meshes: Mapping[str, float], turns: Mapping[str, float], modes: Sequence["Mode"]) -> dict[str, float]:
+def count_chance(sources: Sources, modes: Sequence["Mode"]) -> dict[str, float]:
     """Count how much is explained by chance: how many of all frequencies between the printed lines would be.
 
     Returns
@@ -148,7 +143,7 @@ def count_chance(meshes: Mapping[str, float], turns: Mapping[str, float], modes:
     lines = list(printed_lines(("simulated",)))
     places = np.arange(lines[0], lines[-1], GRID)
     own = np.array([mode.frequency_hz for mode in modes if mode.frequency_hz > 0])
-    forced = [bool(forced_name(float(place), meshes, turns)) for place in places]
+    forced = [bool(forced_name(float(place), sources)) for place in places]
     near = (np.abs(own[:, None] - places) <= NEAR * places).any(axis=0)
     below = int(np.count_nonzero(own < MODES_BELOW))
     return {"forced": float(np.mean(forced)), "mode": float(np.mean(near)), "modes": below}
@@ -190,12 +185,11 @@ def own_peak(
 
 
 def tell_lines(
-    meshes: Mapping[str, float], turns: Mapping[str, float], modes: Mapping[str, Sequence["Mode"]],
-    datasets: Mapping[str, "xr.Dataset"], start_s: float,
+    sources: Sources, modes: Mapping[str, Sequence["Mode"]], datasets: Mapping[str, "xr.Dataset"], start_s: float
 ) -> list[dict[str, Any]]:  # fmt: skip
     """Return the rows of Table 8's explanation, each by the name of a rig: assumed, fitted."""
     rows = []
-    explained = {rig: explain_lines(meshes, turns, own) for rig, own in modes.items()}
+    explained = {rig: explain_lines(sources, own) for rig, own in modes.items()}
     members: dict[float, list[str]] = {}
     for row in published()["table8"]["rows"]:
         for value in row.get("simulated", []):

@@ -10,6 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 from ...analysis.span import CHANGING
 from ...analysis.trace import list_items
 from ...model.ties import largest_first, order_by_size
+from ...results.train_record import read_train
 from ..plots import finish_axes
 from .drawing import columns_for, open_axes, scale_of, style_of, thin
 
@@ -44,8 +45,8 @@ def draw_speeds(dataset: xr.Dataset) -> Figure:
     names = list_items(dataset, "speed")
     if not names:
         raise LtcgearError("the result has no speeds")
-    values = RPM * dataset["speed"].transpose("time", ...).values
-    chosen = [k for k in order_by_size(np.abs(values).max(axis=0), names) if ".planet." not in names[k]]
+    train, values = read_train(dataset), RPM * dataset["speed"].transpose("time", ...).values
+    chosen = [k for k in order_by_size(np.abs(values).max(axis=0), names) if not train.is_planet(names[k])]
     return _draw(dataset, "Speeds of rotors", "speed [r/min]", {names[k]: values[:, k] for k in chosen})
 
 

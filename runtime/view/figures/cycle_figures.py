@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...analysis.cycles import Cycles
+from ...results.select import split_output
 from ..plots import finish_axes
 from .drawing import HEIGHT, open_axes, scale_of, style_of
 from .load_figures import NAMES
@@ -24,7 +25,7 @@ def draw_ranges(counts: Sequence[Cycles]) -> Figure:
     for number, one in enumerate(shown):
         colour, dash = style_of(number)
         edges, count = one.by_range()
-        label = f"{one.name.partition(':')[2]}: {one.total:.6g} cycles"
+        label = f"{split_output(one.name)[1]}: {one.total:.6g} cycles"
         axes.stairs(count, edges / size, color=colour, ls=dash, lw=1.2, label=label)
     axes.set_yscale("symlog", linthresh=1.0)
     axes.set_xlim(left=0.0)

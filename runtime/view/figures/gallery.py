@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ...analysis.survey import Seen, Survey
-from ...analysis.trace import front
-from ...results.statistics import group_of, stage_of
+from ...results.select import split_output
+from ...results.train_record import read_train
 from .cycle_figures import draw_range_means, draw_ranges
 from .load_figures import (
     carrier_turns,
@@ -31,14 +31,15 @@ REACH, BINS = 4.0, 32
 
 def draw_survey(found: Survey) -> Iterator[tuple[str, Figure]]:
     """Draw all figures of a survey, one after another, each with its name."""
-    for group in dict.fromkeys(group_of(mesh) for mesh in found.forces):
+    train = read_train(found.span)
+    for group in dict.fromkeys(map(train.group, found.forces)):
         yield f"forces-{group}", draw_forces(found.span, group)
     for share in found.shares:
         yield f"shares-{share.group}", draw_shares(share, _turns(found, share.group))
     for seen in found.seen:
         yield from _draw_seen(found, seen)
-    for mesh in dict.fromkeys(front(error.mesh) for error in found.errors):
-        own = [error for error in found.errors if front(error.mesh) == mesh]
+    for mesh in dict.fromkeys(train.front(error.mesh) for error in found.errors):
+        own = [error for error in found.errors if train.front(error.mesh) == mesh]
         yield f"transmission-{mesh}", draw_transmission_error(own)
     if found.durations:
         yield "load-duration", draw_load_duration(found.durations)
@@ -46,7 +47,7 @@ def draw_survey(found: Survey) -> Iterator[tuple[str, Figure]]:
         yield "rainflow", draw_ranges(found.cycles)
     for cycles in found.cycles:
         if cycles.span.size:
-            yield f"rainflow-{cycles.name.partition(':')[2]}", draw_range_means(cycles)
+            yield f"rainflow-{split_output(cycles.name)[1]}", draw_range_means(cycles)
     if found.bearings:
         yield "bearings", draw_bearings(found.bearings)
     if found.orbits:
@@ -55,7 +56,7 @@ def draw_survey(found: Survey) -> Iterator[tuple[str, Figure]]:
 
 def _turns(found: Survey, group: str) -> FloatArray | None:
     """Return the turns of a group's carrier, None where it stands or hardly turns."""
-    turns = carrier_turns(found.span, stage_of(group))
+    turns = carrier_turns(found.span, read_train(found.span).stage(group))
     return turns if turns is not None and turns[-1] >= 1.0 else None
 
 

@@ -12,7 +12,10 @@ from ...analysis.duration import LoadDuration
 from ...analysis.sharing import LoadShare, list_groups
 from ...analysis.trace import FloatArray, list_items, pick, read_trace
 from ...analysis.transmission import DEFINITIONS, TransmissionError
-from ...results.statistics import mesh_frequencies, stage_of
+from ...model.members import CARRIER
+from ...results.select import split_output
+from ...results.statistics import mesh_frequencies
+from ...results.train_record import read_train
 from ..plots import BLUE, GREY, ORANGE, VERMILLION, finish_axes, make_canvas
 from .drawing import HEIGHT, WIDTH, columns_for, dash_of, label_axes, open_axes, scale_of, style_of, thin
 
@@ -50,7 +53,7 @@ def draw_forces(dataset: xr.Dataset, group: str) -> Figure:
     columns = columns_for(len(traces))
     for number, one in enumerate(traces):
         colour, dash = style_of(number)
-        label, over = one.name.partition(":")[2], dash_of(number, len(traces))
+        label, over = split_output(one.name)[1], dash_of(number, len(traces))
         above.plot(*thin(time, one.values / size, columns), dash, color=colour, lw=0.7, label=label)
         below.plot(*thin(time[close], one.values[close] / size), over, color=colour, lw=1.1, label=label)
     for axes in (above, below):
@@ -63,7 +66,7 @@ def _close_look(dataset: xr.Dataset, group: str) -> float:
     """Return how long a close look lasts [s]: some tooth meshes, a twentieth of the span where none pass."""
     time = dataset["time"].values
     frequencies = mesh_frequencies(dataset, float(time[0])) if "mesh_phase" in dataset else {}
-    frequency, whole = frequencies.get(stage_of(group), 0.0), float(time[-1] - time[0])
+    frequency, whole = frequencies.get(read_train(dataset).stage(group), 0.0), float(time[-1] - time[0])
     return min(whole, CYCLES / frequency) if frequency > 0.0 else 0.05 * whole
 
 
@@ -147,7 +150,7 @@ def draw_load_duration(durations: Sequence[LoadDuration]) -> Figure:
     figure, axes = open_axes("Load-duration distribution", f"{counted} above the load [1]", f"load [{unit}]")
     for number, one in enumerate(shown):
         colour, dash = style_of(number)
-        label = one.name.partition(":")[2]
+        label = split_output(one.name)[1]
         # A staircase: all that counts in a bin is above its lower edge.
         axes.step(one.exceeded, one.edges[:-1] / size, dash, where="post", color=colour, lw=1.2, label=label)
     axes.set_xscale("log")
@@ -176,7 +179,7 @@ def draw_bearings(loads: Sequence[BearingLoad]) -> Figure:
 
 def carrier_turns(dataset: xr.Dataset, stage: str) -> FloatArray | None:
     """Return the turns of a stage's carrier since the span's begin [1], shape (n,); None where it stands."""
-    name = f"{stage}.carrier"
+    name = read_train(dataset).part(stage, CARRIER)
     if name not in list_items(dataset, "twist"):
         return None
     from ...analysis.order_spectrum import TURN, shaft_angle

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...linear.campbell import SPEED
 from ...model.ties import order_by_size
-from ...results.statistics import group_of
+from ...results.train_record import group_of
 from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, make_canvas, save_figure
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...analysis.waterfall import Waterfall
 from ...model.ties import order_by_size
 from ...results.amplitude_spectrum import noise_bandwidth
-from ...results.statistics import group_of
+from ...results.train_record import group_of
 from ...studies.sweep.influence import FLAT, SobolIndices, find_influences
 from ...studies.sweep.sweep_axes import SweepAxis
 from ...studies.sweep.sweep_reading import (

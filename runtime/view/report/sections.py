@@ -17,10 +17,10 @@ from ...analysis.order_spectrum import choose_shaft, find_order_spectrum, shaft_
 from ...analysis.sharing import find_leads, find_load_share, list_groups
 from ...analysis.span import CHANGING, cut, speed_change
 from ...analysis.spectrum import find_spectrum
-from ...analysis.trace import list_items, phase_of, pick
+from ...analysis.trace import list_items, phase_of, pick, select_output
 from ...analysis.waterfall import STANDING, find_waterfall, mesh_courses
 from ...model.ties import order_by_size
-from ...results.statistics import stage_of
+from ...results.train_record import read_train
 from ..figures.course_figures import draw_speeds, draw_torques, is_changing
 from ..figures.load_figures import carrier_turns, draw_forces, draw_shares
 from ..figures.orbit_figures import draw_orbits
@@ -118,7 +118,7 @@ def _shares(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
 
     def draw(group: str) -> Figure:
         part = cut(dataset)
-        return draw_shares(find_load_share(part, group), carrier_turns(part, stage_of(group)))
+        return draw_shares(find_load_share(part, group), carrier_turns(part, read_train(part).stage(group)))
 
     for group in groups[:MOST]:
         section.draw(partial(draw, group), "Means in the legend; the mesh load factor is the largest.", 4.9)
@@ -155,13 +155,11 @@ def _spectra(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
 
 def _spectrum(part: xr.Dataset, quantity: str, item: str, clues: Clues, turning: bool) -> Figure:
     """Draw the spectrum of an output, over the turns of the fastest rotor where speeds change."""
-    signals = [
-        pick(part, name, item) for name in (quantity, quantity.replace("_x", "_y"))[: 1 + quantity.endswith("_x")]
-    ]
+    signals = list(select_output(part, f"{quantity}:{item}"))
     for signal in signals:
         _refuse_constant(signal)
     end = clues.band.end_hz
-    rotor = choose_shaft(part, stage_of(item)) if turning else None
+    rotor = choose_shaft(part, read_train(part).stage(item)) if turning else None
     if rotor is not None:
         angle = shaft_angle(part, rotor)
         spectrum = find_order_spectrum(signals[0], angle, highest_hz=end)
@@ -186,11 +184,11 @@ def _liveliest(dataset: xr.Dataset) -> list[tuple[str, str]]:
         return []
     half = dataset.sizes["time"] // 2
     shaking = np.hypot(*(dataset[f"acceleration_{a}"].values[half:].std(axis=0) for a in "xy"))
-    kinds: dict[str, str] = {}
+    train, kinds = read_train(dataset), dict[str, str]()
     for k in order_by_size(shaking, members):
         if shaking[k] > 0:
-            kinds.setdefault(members[k].rsplit(".planet.", 1)[0], members[k])
-    return [("acceleration_x", member) for member in list(kinds.values())[:2]]
+            kinds.setdefault(train.label(members[k]), members[k])
+    return [("acceleration", member) for member in list(kinds.values())[:2]]
 
 
 def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
@@ -247,7 +245,8 @@ def _orbits(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section]:
     if resting:
         section.text.append(f"At rest: {', '.join(resting)}.")
     moving = [orbit for orbit in orbits if orbit.member not in resting]
-    ordered = sorted(moving, key=lambda orbit: (not orbit.floating, ".planet." in orbit.member))
+    train = read_train(dataset)
+    ordered = sorted(moving, key=lambda orbit: (not orbit.floating, train.is_planet(orbit.member)))
     for orbit in ordered[:MOST]:
         caption = f"RMS distance from the mean place: {orbit.rms * 1e6:.3g} µm"
         section.draw(partial(draw_orbits, [orbit]), caption, 2.6, width=2.6)

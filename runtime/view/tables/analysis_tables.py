@@ -11,6 +11,7 @@ from ...analysis.lines import Clues, NamedLine
 from ...analysis.spectrum import Spectrum
 from ...analysis.survey import Seen, Survey
 from ...analysis.trace import FloatArray
+from ...results.select import split_output
 from ...results.table import Cell, Table
 
 MICRO, KILO = 1e-6, 1e3
@@ -22,8 +23,8 @@ Rows = list[tuple[Cell, ...]]
 def list_tables(found: Survey) -> dict[str, Table]:
     """Return the tables of a survey by name; those that would be empty are left out."""
     tables = {}
-    for quantity in dict.fromkeys(seen.output.partition(":")[0] for seen in found.seen):
-        own = [seen for seen in found.seen if seen.output.partition(":")[0] == quantity]
+    for quantity in dict.fromkeys(split_output(seen.output)[0] for seen in found.seen):
+        own = [seen for seen in found.seen if split_output(seen.output)[0] == quantity]
         tables[f"lines-{quantity}"] = _lines(quantity, own, found.clues)
         tables[f"orders-{quantity}"] = _orders(quantity, own)
         tables[f"envelope-{quantity}"] = _envelopes(quantity, own)
@@ -42,7 +43,7 @@ def list_tables(found: Survey) -> dict[str, Table]:
 
 def _item(seen: Seen) -> str:
     """Return the item of an output."""
-    return seen.output.partition(":")[2]
+    return split_output(seen.output)[1]
 
 
 def _lines(quantity: str, own: list[Seen], clues: Clues) -> Table:
@@ -162,7 +163,7 @@ def _durations(found: Survey) -> Table:
     for one in found.durations:
         total = float(one.count.sum())
         levels = [_exceeded_by(one.exceeded / total, one.edges / KILO, part) for part in (0.01, 0.1, 0.5, 0.9)]
-        rows.append((one.name.partition(":")[2], total, *levels))
+        rows.append((split_output(one.name)[1], total, *levels))
     columns = ("mesh", "tooth meshes", "1 % kN", "10 % kN", "50 % kN", "90 % kN")
     return Table("Load duration: force exceeded in so many of all tooth meshes", columns, tuple(rows))
 
@@ -176,7 +177,7 @@ def _rainflow(found: Survey) -> Table:
     """List rainflow counts."""
     passed = {one.name: float(one.count.sum()) for one in found.durations}
     rows: Rows = [
-        (one.name.partition(":")[2], one.total, one.largest / KILO,
+        (split_output(one.name)[1], one.total, one.largest / KILO,
          float(one.count[one.span > 0.5 * one.largest].sum()), passed.get(one.name),
          one.equivalent(EXPONENT, passed[one.name]) / KILO if one.name in passed else None)
         for one in found.cycles

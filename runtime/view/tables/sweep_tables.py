@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...results.statistics import group_of
 from ...results.table import Cell, Table
+from ...results.train_record import group_of
 from ...studies.sweep.influence import LEVEL, SobolIndices
 from ...studies.sweep.summary import STATISTICS, columns_of, gather, seek_influences
 from ...studies.sweep.sweep_reading import (

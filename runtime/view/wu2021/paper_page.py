@@ -109,13 +109,13 @@ def compose(material: PageContent) -> str:
     first = material.datasets["assumed"]
     start = steady_start(first)
     clues = find_clues(window(first, start))
-    meshes, turns = clues.meshes, clues.carriers
+    meshes, sources = clues.meshes, clues.sources
     loads = tell_loads(material.datasets, start)
     text: str = open_templates(ROOM, NEEDING).get_template("paper.html").render(
         published=published(), record=fitted(), loads=loads, aims=(MEAN_AIM, FACTOR_AIM), verdict=_verdict(loads),
         table7=compare(first, start)["table7"],
-        lines=tell_lines(meshes, turns, material.modes, material.datasets, start),
-        chance={rig: count_chance(meshes, turns, own) for rig, own in material.modes.items()},
+        lines=tell_lines(sources, material.modes, material.datasets, start),
+        chance={rig: count_chance(sources, own) for rig, own in material.modes.items()},
         modes=_list_modes(material.modes), figures=_draw(material, meshes), captions=CAPTIONS, rigs=list(COLOURS),
         step=_tell_step(material), steady=_tell_steady(material), shares=material.shares,
         changes=material.changes, turns=_turns(first),
