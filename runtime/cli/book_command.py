@@ -17,7 +17,7 @@ def book(
 
     It is typeset from the symbols that the C is made of. Exit code 1 if a check fails.
     """
-    from ltcgear.symbolic.book import check_file, list_content, make_book, write_book
+    from ltcgear.symbolic.book.volume import check_file, list_content, make_book, write_book
     from ltcgear.symbolic.checks.all_checks import check_model
 
     check_file(output, scene)

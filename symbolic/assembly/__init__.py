@@ -5,6 +5,7 @@ from math import cos, sin
 from ltcgear.generated.contract import GEOMETRY
 
 from ..gears import gear_geometry, train
+from ..gears.train_members import planet_angles
 from ..mechanics.model import Model
 from ..scene.validate import meshes
 from ..schema.scene_schema import Pair, Planetary, Scene
@@ -61,7 +62,7 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
     for part in ("carrier", "ring", "sun"):
         add_member(draft, f"{name}.{part}", getattr(stage, part), name)
     distance, carrier = gear_geometry.stage_distance(stage), f"{name}.carrier"
-    angles = train.planet_angles(stage)
+    angles = planet_angles(stage)
     pins = zip(angles, pin_places(draft.scene, stage), strict=True)
     for i, (angle, pin) in enumerate(pins, start=1):
         planet = f"{name}.planet.{i}"

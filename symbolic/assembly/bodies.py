@@ -5,12 +5,13 @@ from math import sqrt
 from ltcgear.generated.contract import CLOSING, CONSTANT, COUNT, HOMOTOPY
 
 from ..elements.key import ElementKey
-from ..gears import train
+from ..gears.train_members import inertia_of, is_fixed
 from ..mechanics.model import BASIS, Body
 from ..schema.scene_schema import Bearing, Coupling, Member, Planetary, Rotor, TorsionalSupport
 from .draft import Draft
-from .rayleigh_damping import rayleigh_of
-from .rigid import is_unbalanced, joined_inertia, mass_centre, seated, static_moment, turning_of
+from .joined_bodies import is_unbalanced, joined_inertia, mass_centre, static_moment
+from .reduced_inertia import reduced, swinging
+from .rigid import seated, turning_of
 
 
 def add_member(
@@ -20,10 +21,10 @@ def add_member(
     sideways = draft.on("lateral") and isinstance(member, Member) and member.support in ("bearing", "floating")
     add_body(draft, name, name, member, sideways, frame, place)
     if sideways and isinstance(member, Member) and member.bearing is not None:
-        _ground_bearing(draft, name, member.bearing, train.inertia_of(member)[0], place)
-    if member.torsional_support is not None and not train.is_fixed(member):
-        _torsional_support(draft, name, member.torsional_support, train.inertia_of(member)[1])
-    if member.drag is not None and not train.is_fixed(member):
+        _ground_bearing(draft, name, member.bearing, inertia_of(member)[0], place)
+    if member.torsional_support is not None and not is_fixed(member):
+        _torsional_support(draft, name, member.torsional_support, inertia_of(member)[1])
+    if member.drag is not None and not is_fixed(member):
         bind = {"c_t": draft.number(f"{name}.drag", member.drag, "N*m*s/rad")}
         draft.place(f"{name}.drag", ElementKey("drag"), (name,), **bind)
 
@@ -38,7 +39,7 @@ def add_body(
     runs = turning != "held" and draft.rigid.mode != "rest" and draft.rigid.ratios[kin] != 0.0
     if lateral:
         draft.turn(f"{frame}.frame", draft.frames[frame])
-    mass = train.inertia_of(member)[0] + seated(draft.scene, name)[0]
+    mass = inertia_of(member)[0] + seated(draft.scene, name)[0]
     inertia = joined_inertia(draft, kin, member)
     draft.bodies.append(
         Body(
@@ -56,7 +57,7 @@ def _damper(
     draft: Draft, key: str, item: Bearing | TorsionalSupport | Coupling, inertia: float, unit: str
 ) -> str | None:
     """Note the damper that goes with a spring: given, 2 zeta sqrt(k m), or Rayleigh's; None where there is none."""
-    factors = rayleigh_of(draft)
+    factors = draft.rayleigh
     if factors is not None and factors.stiffness:
         return draft.number(f"{key}.damping", factors.stiffness * item.stiffness, unit)
     if not draft.on("damping"):
@@ -105,20 +106,6 @@ def _torsional_support(draft: Draft, name: str, support: TorsionalSupport, inert
         bind["c_t"] = damper
     element = ElementKey.of("torsional_support", damped=damper is not None)
     draft.place(name, element, (name,), f"{name}.torsional_support", **bind)
-
-
-def reduced(one: float, two: float) -> float:
-    """Return the reduced inertia of two that swing against each other; 0 stands for a held one."""
-    parts = [1 / value for value in (one, two) if value > 0]
-    return 1 / sum(parts) if parts else 0.0
-
-
-def swinging(draft: Draft, name: str) -> float:
-    """Return a member's own inertia, 0 where its motion, or that of the member it is joined to, is held."""
-    everyone = train.members(draft.scene)
-    leader = draft.leaders.get(name, name)
-    held = turning_of(draft.scene, draft.rigid, leader, everyone[leader]) in ("held", "driven")
-    return 0.0 if held else train.inertia_of(everyone[name])[1]
 
 
 def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:

@@ -6,10 +6,10 @@ from ltcgear.generated.contract import GEOMETRY, PHYSICAL, REGIME, Clock, Signal
 
 from ..elements.axes import PLANE
 from ..elements.key import ElementKey
-from ..gears import train
+from ..gears.train_members import RigidMotion
 from ..mechanics.model import HOLD, Body, Instance, Level, Parameter, Phase, Profile
 from ..schema.mesh_schema import Mesh
-from ..schema.scene_schema import Gear, Pair, Planetary, Scene
+from ..schema.scene_schema import Gear, Pair, Planetary, Rayleigh, Scene
 from ..schema.series import Pairs
 
 
@@ -46,7 +46,7 @@ class Draft:
     """The model while it is being put together (the only mutable value of the pipeline)."""
 
     scene: Scene
-    rigid: train.RigidMotion
+    rigid: RigidMotion
     statics: dict[str, float]
     bodies: list[Body] = field(default_factory=list)
     instances: list[Instance] = field(default_factory=list)
@@ -93,6 +93,18 @@ class Draft:
         return tuple(
             replace(item, element=replace(item.element, live=(live,) * len(item.bodies))) for item in self.instances
         )
+
+    def series(self, name: str, series: list[float], unit: str) -> tuple[str, ...]:
+        """Note mean and amplitudes of a series."""
+        names = [f"{name}_mean"]
+        for n in range(1, len(series) // 2 + 1):
+            names += [f"{name}_cos_{n}", f"{name}_sin_{n}"]
+        return tuple(self.number(key, value, unit) for key, value in zip(names, series, strict=True))
+
+    @property
+    def rayleigh(self) -> Rayleigh | None:
+        """Return the two factors of Rayleigh damping where the scene calls for it."""
+        return self.scene.rayleigh if self.scene.effects["damping"] == "rayleigh" else None
 
     def on(self, effect: str) -> bool:
         """Tell whether an on/off effect is on."""

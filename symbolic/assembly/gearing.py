@@ -6,14 +6,14 @@ from math import cos, pi, sin, sqrt
 from ltcgear.generated.contract import BACK, COUNT, GEOMETRY, HOMOTOPY, PULL, VARYING, Clock
 
 from ..elements.key import ElementKey, Option
-from ..gears import gear_geometry, train
+from ..gears import gear_geometry
+from ..gears.train_members import members
 from ..mechanics.model import PHASE, TURN, Body, Level, Phase
 from ..schema.scene_schema import Eccentricity, Planetary
-from .bodies import reduced, swinging
 from .draft import Draft, MeshPlace
 from .mesh_errors import bind_error, pin_turn
 from .mesh_losses import add_friction
-from .rayleigh_damping import rayleigh_of
+from .reduced_inertia import reduced, swinging
 from .stiffness import bind_stiffness
 
 
@@ -137,10 +137,10 @@ def _mesh_damping(
     draft: Draft, at: MeshPlace, geometry: gear_geometry.MeshGeometry, mean: float, bind: dict[str, str]
 ) -> None:
     """Bind the mesh damper: Rayleigh's, given, or 2 zeta sqrt(k m) on the equivalent mass 1/(r1^2/I1 + r2^2/I2)."""
-    factors = rayleigh_of(draft)
+    factors = draft.rayleigh
     value = at.mesh.damping if factors is None else factors.stiffness * mean
     if value is None and at.mesh.damping_ratio is not None:
-        everyone = train.members(draft.scene)
+        everyone = members(draft.scene)
         kin = [body if body in everyone else body.rsplit(".", 1)[0] for body in at.members]
         one, two = (swinging(draft, key) for key in kin)
         mass = reduced(one / geometry.r1**2, two / geometry.r2**2)

@@ -10,7 +10,6 @@ from ..mechanics.model import ERROR, ERROR_RATE, Profile
 from ..schema.scene_schema import Planetary
 from .draft import Draft, MeshPlace
 from .rigid import pin_offset
-from .stiffness import note_series
 
 
 def bind_error(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> bool:
@@ -32,7 +31,7 @@ def _transmission_error(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
     series = [0.0] if error.table is None else mesh_stiffness.table_series(error.table, at.mesh.harmonics)
     for amplitude, phase in zip(error.amplitudes, error.phases or [0.0] * len(error.amplitudes), strict=True):
         series += [amplitude * cos(phase), -amplitude * sin(phase)]
-    yield Profile(at.label, "error", "series", note_series(draft, f"{at.name}.transmission_error", series, "m"))
+    yield Profile(at.label, "error", "series", draft.series(f"{at.name}.transmission_error", series, "m"))
 
 
 def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:

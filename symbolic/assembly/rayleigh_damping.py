@@ -1,18 +1,12 @@
-"""Rayleigh damping of the model: dampers in proportion to springs, and to masses."""
+"""Mass-proportional part of Rayleigh damping; the other part is in the dampers beside the springs."""
 
 from ..elements.key import ElementKey
-from ..schema.scene_schema import Rayleigh
 from .draft import Draft
-
-
-def rayleigh_of(draft: Draft) -> Rayleigh | None:
-    """Return the two factors where the scene calls for Rayleigh damping."""
-    return draft.scene.rayleigh if draft.scene.effects["damping"] == "rayleigh" else None
 
 
 def add_rayleigh(draft: Draft) -> None:
     """Add the mass-proportional part to every body that has a freedom of its own."""
-    factors = rayleigh_of(draft)
+    factors = draft.rayleigh
     if factors is None or not factors.mass:
         return
     alpha = draft.number("rayleigh.mass", factors.mass, "1/s")

@@ -2,28 +2,25 @@
 
 from math import cos, sin
 
-from ltcgear.generated.contract import GEOMETRY
-
-from ..gears import gear_geometry, train
-from ..mechanics.model import Body
+from ..gears import gear_geometry
+from ..gears.train_members import RigidMotion, inertia_of, is_fixed, members, planet_angles
 from ..schema.scene_schema import Member, Planetary, PositionError, Rotor, Scene
-from .draft import Draft
 
 
-def turning_of(scene: Scene, rigid: train.RigidMotion, name: str, member: Member | Rotor) -> str:
+def turning_of(scene: Scene, rigid: RigidMotion, name: str, member: Member | Rotor) -> str:
     """Say how the angle of a member that turns on its own is described."""
-    if train.is_fixed(member):
+    if is_fixed(member):
         return "held"
     if any(load.member == name and load.holds for load in scene.loads.values()):
         return "driven"
     return "reference" if rigid.mode == "torque" and rigid.member == name else "free"
 
 
-def find_leaders(scene: Scene, rigid: train.RigidMotion) -> dict[str, str]:
+def find_leaders(scene: Scene, rigid: RigidMotion) -> dict[str, str]:
     """Return member -> the member whose angle it shares, for all that rigid shafts join to another."""
     if scene.effects["torsional_shafts"] == "flexible":
         return {}
-    everyone = train.members(scene)
+    everyone = members(scene)
     rank = {"held": 0, "driven": 1, "reference": 2, "free": 3}
     group = {name: {name} for name in everyone}
     for coupling in scene.couplings.values():
@@ -56,7 +53,7 @@ def pin_offset(scene: Scene, stage: Planetary, number: int) -> tuple[float, floa
 def pin_places(scene: Scene, stage: Planetary) -> list[tuple[float, float]]:
     """Return where the pins are [m], at angle zero of the carrier."""
     distance, places = gear_geometry.stage_distance(stage), []
-    for number, angle in enumerate(train.planet_angles(stage), start=1):
+    for number, angle in enumerate(planet_angles(stage), start=1):
         radial, tangential = pin_offset(scene, stage, number)
         cosine, sine = cos(stage.line_of_centres + angle), sin(stage.line_of_centres + angle)
         radius = distance + radial
@@ -69,49 +66,7 @@ def seated(scene: Scene, name: str) -> tuple[float, float, float, float]:
     stage = scene.stages.get(name.split(".")[0])
     if not (isinstance(stage, Planetary) and name.endswith(".carrier") and rigid_pins(scene)):
         return 0.0, 0.0, 0.0, 0.0
-    mass = train.inertia_of(stage.planet)[0]
+    mass = inertia_of(stage.planet)[0]
     places = pin_places(scene, stage)
     inertia = mass * sum(x * x + y * y for x, y in places)
     return len(places) * mass, inertia, mass * sum(x for x, _ in places), mass * sum(y for _, y in places)
-
-
-def joined_inertia(draft: Draft, name: str, member: Member | Rotor) -> float:
-    """Return the inertia [kg m^2] of all that turns with a leader: shafts' members, planets on their carriers."""
-    if name.endswith(".planet"):
-        return train.inertia_of(member)[1]
-    everyone = train.members(draft.scene)
-    group = [name, *(other for other, leader in draft.leaders.items() if leader == name)]
-    return sum(train.inertia_of(everyone[other])[1] + seated(draft.scene, other)[1] for other in group)
-
-
-def is_unbalanced(draft: Draft, name: str) -> bool:
-    """Tell whether planets sit unevenly on a member."""
-    stage = draft.scene.stages.get(name.split(".")[0])
-    if not seated(draft.scene, name)[0] or not isinstance(stage, Planetary):
-        return False
-    misplaced = draft.on("planet_position_error") and bool(stage.position_errors)
-    return stage.planets == 1 or stage.planet_angles is not None or misplaced
-
-
-def static_moment(draft: Draft, name: str) -> tuple[str, str] | None:
-    """Note mass times offset of what sits unevenly on a carrier."""
-    if not is_unbalanced(draft, name):
-        return None
-    _, _, x, y = seated(draft.scene, name)
-    return draft.number(f"{name}.static_moment_x", x, "kg*m", GEOMETRY), draft.number(
-        f"{name}.static_moment_y", y, "kg*m", GEOMETRY
-    )
-
-
-def mass_centre(draft: Draft, body: Body, mass: float) -> Body:
-    """Return the point of a body at which its weight acts: itself, or a point of its own where it is unbalanced."""
-    if not is_unbalanced(draft, body.name):
-        return body
-    place = tuple(
-        draft.number(f"{body.name}.mass_centre.{axis}_0", moment / mass, "m", GEOMETRY)
-        for axis, moment in zip("xy", seated(draft.scene, body.name)[2:], strict=True)
-    )
-    return Body(
-        f"{body.name}.mass_centre", (), "point", None, None, body.ratio, (place[0], place[1]), body.frame,
-        body.leader or body.name, body.name,
-    )  # fmt: skip

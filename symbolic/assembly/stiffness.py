@@ -11,7 +11,7 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
     chosen, geometry = draft.scene.effects["mesh_stiffness"], at.geometry
     if chosen == "table" and at.mesh.stiffness_table is not None:
         series = mesh_stiffness.table_series(at.mesh.stiffness_table, at.mesh.harmonics)
-        _follow(draft, at, "series", note_series(draft, f"{at.name}.stiffness", series, "N/m"), bind)
+        _follow(draft, at, "series", draft.series(f"{at.name}.stiffness", series, "N/m"), bind)
         return series[0]
     single, double = mesh_stiffness.levels(*geometry)
     if double is None:
@@ -31,7 +31,7 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
             if computed
             else mesh_stiffness.two_level_series(single, double, share, at.mesh.harmonics)
         )
-        _follow(draft, at, "series", note_series(draft, f"{at.name}.stiffness", series, "N/m"), bind)
+        _follow(draft, at, "series", draft.series(f"{at.name}.stiffness", series, "N/m"), bind)
     elif chosen == "computed" and computed:
         draft.number(f"{at.name}.single_share", share, "")
         arcs = mesh_stiffness.arcs(*geometry, backwards=at.backwards)
@@ -53,14 +53,6 @@ def _levels(draft: Draft, at: MeshPlace, single: float, double: float, share: fl
         draft.number(f"{at.name}.stiffness_double", double, "N/m"),
         draft.number(f"{at.name}.single_share", share, ""),
     )
-
-
-def note_series(draft: Draft, name: str, series: list[float], unit: str) -> tuple[str, ...]:
-    """Note mean and amplitudes of a series."""
-    names = [f"{name}_mean"]
-    for n in range(1, len(series) // 2 + 1):
-        names += [f"{name}_cos_{n}", f"{name}_sin_{n}"]
-    return tuple(draft.number(key, value, unit) for key, value in zip(names, series, strict=True))
 
 
 def _follow(draft: Draft, at: MeshPlace, kind: str, numbers: tuple[str, ...], bind: dict[str, str]) -> None:

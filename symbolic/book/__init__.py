@@ -1,5 +1,1 @@
 """Equation book: the equations of a scene, typeset from the symbols of which its C is made."""
-
-from .volume import check_file, list_content, make_book, write_book
-
-__all__ = ["check_file", "list_content", "make_book", "write_book"]

@@ -2,7 +2,6 @@
 
 import sympy as sp
 
-from ..describe.variants import freedoms
 from ..elements.base import real
 from ..mechanics.frames import FrameMotion
 from ..mechanics.model import Body, Model
@@ -20,7 +19,7 @@ def write_balances(chapter: Chapter, model: Model) -> None:
     _body_law(chapter, model)
     _sums(chapter, model)
     _joints(chapter, model)
-    if freedoms(model) <= SMALL:
+    if model.freedoms <= SMALL:
         _written_out(chapter, assemble(model), model)
 
 

@@ -5,15 +5,14 @@ from typing import Any
 
 from ..describe.freedoms import explain_freedoms
 from ..describe.geometry_report import describe
-from ..describe.variants import acting_effects
 from ..mechanics.model import Model
 from ..schema.scene_schema import Scene
 from .chapter_laws import write_unit
 from .content import Chapter, Part
 
 
-def write_scene(chapter: Chapter, scene: Scene, model: Model) -> None:
-    """Write the chapter on the scene."""
+def write_scene(chapter: Chapter, scene: Scene, model: Model, effects: Iterable[Mapping[str, str]]) -> None:
+    """Write the chapter on the scene, with the effects that act in it."""
     shown = describe(scene)
     chapter.say(
         f"{scene.title}. Members: {len(model.bodies)}; elements between them and to the housing: "
@@ -21,7 +20,7 @@ def write_scene(chapter: Chapter, scene: Scene, model: Model) -> None:
         "state and no operation in the C."
     )
     chapter.head("Effects that act", "effects")
-    rows = [(row["effect"], row["value"], row["help"], row["here"]) for row in acting_effects(scene, model)]
+    rows = [(row["effect"], row["value"], row["help"], row["here"]) for row in effects]
     chapter.tabulate(("effect", "value", "what it does", "what it adds here"), rows)
     if not rows:
         chapter.say("No effect beyond the simplest model acts.")

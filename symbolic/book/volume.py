@@ -38,9 +38,9 @@ def make_book(scene: Scene, model: Model, manifest: Manifest, key: str, checks: 
     checks
         Results of the model's checks.
     """
-    rows, identity = print_rows(), identify(manifest, key)
+    rows, identity, effects = print_rows(), identify(manifest, key), acting_effects(scene, model)
     writers: tuple[tuple[str, str, Callable[[Chapter], None]], ...] = (
-        ("The scene", "scene", lambda c: write_scene(c, scene, model)),
+        ("The scene", "scene", lambda c: write_scene(c, scene, model, effects)),
         ("Coordinates and frames", "motion", lambda c: write_motion(c, model)),
         ("Energies and force laws", "laws", lambda c: write_laws(c, model)),
         ("Elements", "elements", lambda c: write_elements(c, model)),
@@ -54,7 +54,7 @@ def make_book(scene: Scene, model: Model, manifest: Manifest, key: str, checks: 
     for number, (title, anchor, write) in enumerate(writers, start=1):
         chapters.append(Chapter(number, title, anchor))
         write(chapters[-1])
-    acting = {str(row["effect"]): str(row["value"]) for row in acting_effects(scene, model)}
+    acting = {str(row["effect"]): str(row["value"]) for row in effects}
     passed = sum(check.passed for check in checks)
     verdicts = [row.verdict.verdict for row in rows]
     return Book(

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from ..gears.train import members
+from ..gears.train_members import members
 from ..mechanics.model import Body, Model
 from ..schema.scene_schema import Member, Scene
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from ..gears import gear_geometry, train
 from ..gears.mesh_stiffness import levels
+from ..gears.train_members import RigidMotion, inertia_of, members, planet_angles
 from ..scene.validate import meshes
 from ..schema.mesh_schema import Mesh
 from ..schema.scene_schema import Gear, Load, Pair, Planetary, Scene
@@ -115,7 +116,7 @@ def tip_clearance(stage: Planetary) -> float | None:
     planet = stage.planet
     if stage.planets < 2 or stage.module is None or stage.pressure_angle is None or planet.teeth is None:
         return None
-    around = sorted(angle % tau for angle in train.planet_angles(stage))
+    around = sorted(angle % tau for angle in planet_angles(stage))
     gap = min(two - one for one, two in pairwise([*around, around[0] + tau]))
     tip = planet.teeth * gear_geometry.transverse(stage)[0] / 2 + stage.module * (1 + planet.profile_shift)
     return 2 * gear_geometry.stage_distance(stage) * sin(gap / 2) - 2 * tip
@@ -124,8 +125,8 @@ def tip_clearance(stage: Planetary) -> float | None:
 def _members(scene: Scene, speeds: dict[str, float]) -> dict[str, Entry]:
     """Describe all members; the equal planets of a stage are one entry with their count."""
     listed: dict[str, Entry] = {}
-    for name, member in train.members(scene).items():
-        mass, inertia = train.inertia_of(member)
+    for name, member in members(scene).items():
+        mass, inertia = inertia_of(member)
         stage = scene.stages.get(name.split(".")[0])
         listed[name] = {
             "count": stage.planets if isinstance(stage, Planetary) and name.endswith(".planet") else 1,
@@ -136,7 +137,7 @@ def _members(scene: Scene, speeds: dict[str, float]) -> dict[str, Entry]:
     return listed
 
 
-def _loads(scene: Scene, rigid: train.RigidMotion, speeds: dict[str, float]) -> dict[str, Entry]:
+def _loads(scene: Scene, rigid: RigidMotion, speeds: dict[str, float]) -> dict[str, Entry]:
     """Describe all loads; power is torque times speed, and what drives gives power to the train.
 
     What varies is told by its largest torque and by ``over_time``.
@@ -170,7 +171,7 @@ def _law(load: Load) -> str:
     return ""
 
 
-def _torques(scene: Scene, rigid: train.RigidMotion) -> dict[str, float]:
+def _torques(scene: Scene, rigid: RigidMotion) -> dict[str, float]:
     """Return load -> torque [N m] as in statics."""
     return {
         name: train.load_torque(load, rigid.ratios[load.member] * rigid.speed) for name, load in scene.loads.items()
@@ -178,7 +179,7 @@ def _torques(scene: Scene, rigid: train.RigidMotion) -> dict[str, float]:
 
 
 def _powers(
-    scene: Scene, rigid: train.RigidMotion, speeds: dict[str, float]
+    scene: Scene, rigid: RigidMotion, speeds: dict[str, float]
 ) -> Iterator[tuple[str, float | None, float | None]]:
     """Yield load, torque [N m] and power [W]; one held speed that turns supplies, without losses, what is missing."""
     held = [name for name, load in scene.loads.items() if load.speed or load.speed_over_time]

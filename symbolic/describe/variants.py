@@ -57,18 +57,13 @@ def _changes_of(scene: Scene, model: Model, effect: str) -> Iterator[Change]:
         if made is None or any(contradictions(scene.effects | {effect: other})):
             if other == plain:
                 yield change
-        elif not same_model(made, model) and (other == plain or freedoms(made) < freedoms(model)):
+        elif not same_model(made, model) and (other == plain or made.freedoms < model.freedoms):
             yield change
 
 
 def same_model(one: Model, two: Model) -> bool:
     """Tell whether two models have the same C and the same numbers."""
     return (one.structure(), one.values()) == (two.structure(), two.values())
-
-
-def freedoms(model: Model) -> int:
-    """Count the coordinates that move on their own."""
-    return sum(2 * body.lateral + (body.turning in ("free", "reference")) for body in model.bodies)
 
 
 def acting_effects(scene: Scene, model: Model) -> list[dict[str, str]]:
@@ -101,8 +96,8 @@ def _difference(plain: Model, model: Model) -> str:
         *_counted([before[key] for key in before if key not in now], "less"),
         *_counted(changed, "with other terms"),
         _number(len(model.levels) - len(plain.levels), "stiffness that switches", "stiffnesses that switch"),
-        _number(freedoms(model) - freedoms(plain), "freedom more", "freedoms more"),
-        _number(freedoms(plain) - freedoms(model), "freedom less", "freedoms less"),
+        _number(model.freedoms - plain.freedoms, "freedom more", "freedoms more"),
+        _number(plain.freedoms - model.freedoms, "freedom less", "freedoms less"),
         _number(len(set(new) - set(old)), "number more", "numbers more"),
         _number(sum(new[key] != old[key] for key in set(new) & set(old)), "other value", "other values"),
     ]

@@ -186,6 +186,11 @@ class Model:
     clocks: tuple[Clock, ...] = ()
 
     @property
+    def freedoms(self) -> int:
+        """Count the degrees of freedom."""
+        return sum(len(body.freedoms) + (body.turning == "reference") for body in self.bodies)
+
+    @property
     def has_turning_frame(self) -> bool:
         """Tell whether a body is described in a frame that turns."""
         return any(self.frames[body.frame] is not None for body in self.bodies)

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError
 
 from ..gears import gear_geometry, mesh_stiffness, train
+from ..gears.train_members import is_fixed, members, planet_angles
 from ..schema.mesh_schema import MOST_HARMONICS, Mesh
 from ..schema.scene_schema import (
     MOST_MEMBERS,
@@ -35,7 +36,7 @@ def validate(scene: Scene) -> list[str]:
         "loads": {key: {"member": load.member} for key, load in scene.loads.items()},
         "couplings": {key: {"between": item.between} for key, item in scene.couplings.items()},
     }
-    faults = [*_names(scene.stages, scene.rotors), *_references(train.members(scene), plain)]
+    faults = [*_names(scene.stages, scene.rotors), *_references(members(scene), plain)]
     for name, stage in scene.stages.items():
         found = list(_stage(name, stage))
         faults += found or _sliding(name, stage, scene.effects["mesh_friction"])
@@ -116,13 +117,13 @@ def _references(everyone: Mapping[str, Member | Rotor | None], plain: Mapping[st
             yield f"{key}: there is no member {name!r:.60}; {suggest(name, known, 'members')}"
             continue
         member = everyone[name]
-        if key.startswith("loads.") and member is not None and train.is_fixed(member):
+        if key.startswith("loads.") and member is not None and is_fixed(member):
             yield f'{key}: {name} has support = "fixed" and cannot be driven; free it or drop the load'
 
 
 def _loads(scene: Scene) -> Iterator[str]:
     """Check that speeds are given once, and not to members that cannot turn."""
-    everyone = train.members(scene)
+    everyone = members(scene)
     given = [load.member for load in scene.loads.values() if load.holds or load.initial_speed is not None]
     for name in dict.fromkeys(name for name in given if given.count(name) > 1):
         yield f"loads: the speed of {name} is given twice; keep one"
@@ -358,7 +359,7 @@ def _sliding(name: str, stage: Planetary | Pair, friction: str) -> Iterator[str]
 
 def _room(key: str, stage: Planetary) -> Iterator[str]:
     """Check that neighbouring planets pass each other, by their base circles at least."""
-    around = sorted(angle % tau for angle in train.planet_angles(stage))
+    around = sorted(angle % tau for angle in planet_angles(stage))
     gaps = [two - one for one, two in pairwise([*around, around[0] + tau])]
     room = 2 * gear_geometry.stage_distance(stage) * abs(cos((pi - min(gaps)) / 2))
     width = 2 * gear_geometry.base_radius(stage, stage.planet)
@@ -373,7 +374,7 @@ def _assembly(key: str, stage: Planetary) -> Iterator[str]:
     """Check that each planet meets tooth gaps of sun and ring: (z_s + z_r) (angle_i - angle_1) / 2 pi whole."""
     if stage.sun.teeth is None or stage.ring.teeth is None:
         return
-    angles, teeth = train.planet_angles(stage), stage.sun.teeth + stage.ring.teeth
+    angles, teeth = planet_angles(stage), stage.sun.teeth + stage.ring.teeth
     if stage.planet_angles is None:
         if teeth % stage.planets:
             yield (

@@ -6,6 +6,7 @@ import pytest
 from ltcgear.generated.errors import SceneError
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.gears import train
+from ltcgear.symbolic.gears.train_members import inertia_of
 from ltcgear.symbolic.scene.load import load_scene, make_scene
 
 LSP, HSP, PSH = -118 / 22, 1 + 118 / 17, -59 / 21
@@ -349,7 +350,7 @@ def test_a_disc_gives_mass_and_inertia():
     disc = {"outer_diameter": "2 m", "inner_diameter": "1 m", "width": "100 mm", "density": "1000 kg/m^3"}
     scene = make_scene({"title": "x", "rotors": {"a": {"disc": disc}}})
     mass = 1000 * pi * (1 - 0.25) * 0.1
-    assert train.inertia_of(scene.rotors["a"]) == pytest.approx((mass, mass * (1 + 0.25) / 2), rel=1e-14)
+    assert inertia_of(scene.rotors["a"]) == pytest.approx((mass, mass * (1 + 0.25) / 2), rel=1e-14)
 
 
 def test_heavy_planets_load_opposite_flanks_while_they_are_accelerated():

@@ -4,7 +4,7 @@ import pytest
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.describe import variants
 from ltcgear.symbolic.describe.freedoms import explain_freedoms
-from ltcgear.symbolic.describe.variants import Change, acting_effects, freedoms, list_changes
+from ltcgear.symbolic.describe.variants import Change, acting_effects, list_changes
 from ltcgear.symbolic.scene.load import load_scene, shipped_scenes
 from ltcgear.symbolic.schema import effects
 from ltcgear.symbolic.schema.effects import EFFECTS, Exclusion
@@ -87,5 +87,5 @@ def test_what_an_effect_does_is_counted():
 
 
 def test_freedoms_are_those_of_the_manifest():
-    assert freedoms(build_model(load_scene("rig-2mw"))) == 41
+    assert build_model(load_scene("rig-2mw")).freedoms == 41
     assert effects.BY_NAME["mesh_law"].without == "involute"
