@@ -1,6 +1,6 @@
 """Chapters on the scene itself: what it is, which effects act, how it moves, and its numbers with their sources."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from ..describe.freedoms import explain_freedoms
