@@ -22,6 +22,7 @@ from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.results.train_record import group_of
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.table9 import tell_loads
@@ -332,7 +333,7 @@ def tell_modes(data: dict[str, Any]) -> list[dict[str, Any]]:
 def find_named(rig: Rig, z: Vector) -> tuple[Linear, list[Mode]]:
     """Return the linear system at a point and its named modes."""
     p = rig.parameters(z)
-    linear = linearise(rig.library, p, find_equilibrium(rig.library, p))
+    linear = linearise(OperatingPoint(rig.library, p, find_equilibrium(rig.library, p)))
     return linear, describe_modes(linear, find_modes(linear))
 
 

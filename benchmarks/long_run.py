@@ -12,9 +12,11 @@ import numpy as np
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.phase_wrapping import Clocks
 from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.output_reader import outputs_of
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.trajectory import Trajectory
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -63,10 +65,8 @@ def run(settings: dict[str, str], turns: float, method: str = "erk") -> Run:
     p, seen = library.parameters(model.values()), []
     at = find_equilibrium(library, p)
     clock = perf_counter()
-    path = integrate(
-        library, p, at, t_end=turns * PERIOD, rate=1 / SPACING, method=method, rtol=RTOL,
-        told=lambda time: seen.append((time, resident())),
-    )  # fmt: skip
+    settings = RunSettings(turns * PERIOD, 1 / SPACING, method, RTOL)
+    path = integrate(OperatingPoint(library, p, at), settings, lambda time: seen.append((time, resident())))
     seconds = perf_counter() - clock
     if path.status != "done":
         raise RuntimeError(path.status)

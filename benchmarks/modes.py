@@ -18,6 +18,7 @@ from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.topology import Topology
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.runtime.studies.wu2021.line_origins import forced_name, printed_lines
@@ -68,7 +69,7 @@ def rig() -> tuple[Scene, Linear, list[Mode]]:
     model = build_model(scene)
     library = build(obtain(model))
     p = library.parameters(model.values())
-    linear = linearise(library, p, find_equilibrium(library, p))
+    linear = linearise(OperatingPoint(library, p, find_equilibrium(library, p)))
     return scene, linear, describe_modes(linear, find_modes(linear))
 
 
@@ -153,7 +154,7 @@ def _round(library: Library, model: Model, count: int | None) -> dict[str, float
         return made
 
     at = timed("equilibrium", lambda: find_equilibrium(library, p, tables=model.tables))
-    linear = timed("linearise", lambda: linearise(library, p, at))
+    linear = timed("linearise", lambda: linearise(OperatingPoint(library, p, at)))
     modes = timed("eigenvalues", lambda: find_modes(linear, count))
     timed("strain and names", lambda: describe_modes(linear, modes))
     return seconds

@@ -17,6 +17,7 @@ from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.view.figures.resonance_figures import draw_campbell, draw_response
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -53,7 +54,7 @@ def campbell() -> dict[str, Any]:
 def response() -> dict[str, Any]:
     """Let an error of one mesh excite the rig."""
     library, p = built()
-    linear = linearise(library, p, find_equilibrium(library, p))
+    linear = linearise(OperatingPoint(library, p, find_equilibrium(library, p)))
     modes = describe_modes(linear, find_modes(linear))
     return tell_response(SCENE, respond(linear, EXCITED, choose_frequencies(modes, 10.0)), modes)
 

@@ -13,8 +13,10 @@ import numpy as np
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.function import Vector
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.simulation.integrate import integrate
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.view.plots import BLUE, GREY, ORANGE, SKY
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -127,7 +129,7 @@ def simulate(z1: int, z2: int, speed: float = SPEED, torque: float = TORQUE, pit
     library, turning = build(obtain(model)), speed * 2 * pi / 60
     p, rate = library.parameters(model.values()), abs(z1 * turning) / (2 * pi)
     at = find_equilibrium(library, p)
-    path = integrate(library, p, at, t_end=pitches / rate, rate=rate * SAMPLES, method="erk", rtol=1e-8)
+    path = integrate(OperatingPoint(library, p, at), RunSettings(pitches / rate, rate * SAMPLES, "erk", 1e-8))
     if path.status != "done":
         raise RuntimeError(path.status)
     outputs, energy = (over_time(library, name, path.x, path.s, p)[:-1] for name in ("outputs", "energy"))

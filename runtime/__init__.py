@@ -5,6 +5,8 @@ from typing import Any
 
 _HOME = {
     "Dynamics": "export.solver.dynamics",
+    "OperatingPoint": "model.operating_point",
+    "RunSettings": "simulation.run_settings",
     "build": "model.building",
     "describe_modes": "linear.naming",
     "differentiate_modes": "linear.sensitivity",

@@ -12,6 +12,7 @@ from ltcgear.runtime.model.function import Kernel
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.runtime.simulation.integrate import integrate
+from ltcgear.runtime.simulation.run_settings import RunSettings
 
 from stages import Stage, pairs, planetaries
 
@@ -102,7 +103,7 @@ def test_a_short_run_keeps_its_books(raw, seed):
     position = stage.library.index("")
     x[position] += 0.1 * np.abs(x[position]) * np.random.default_rng(seed).normal(size=len(position))
     pushed = type(at)(x, at.levels, 0.0, 0)
-    path = integrate(stage.library, stage.p, pushed, t_end=0.01, rate=8000.0, method="erk", rtol=1e-8)
+    path = integrate(OperatingPoint(stage.library, stage.p, pushed), RunSettings(0.01, 8000.0, "erk", 1e-8))
     assert path.status == "done"
     assert abs(energy_residual(OperatingPoint(stage.library, stage.p, at), path)) < 1e-5
 

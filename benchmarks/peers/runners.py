@@ -6,7 +6,10 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation import integrate as whole
+from ltcgear.runtime.simulation.run_settings import RunSettings
+from ltcgear.runtime.simulation.trajectory import Trajectory
 from numpy.typing import NDArray
 from scipy import integrate
 
@@ -34,11 +37,16 @@ def timed(solver: Restarted) -> Callable[[float], tuple[Vector, float]]:
     return run
 
 
+def _integrate(rig: Rig, method: str, rtol: float) -> Trajectory:
+    """Return a motion of ltcgear's."""
+    return whole.integrate(OperatingPoint(rig.library, rig.p, rig.at), RunSettings(T_END, RATE, method, rtol))
+
+
 def ours(rig: Rig, method: str) -> Callable[[float], tuple[Vector, float]]:
     """Return a run of ltcgear; its time is that of integration, without the set-up that each run has once."""
 
     def run(rtol: float) -> tuple[Vector, float]:
-        found = whole.integrate(rig.library, rig.p, rig.at, t_end=T_END, rate=RATE, method=method, rtol=rtol)
+        found = _integrate(rig, method, rtol)
         if found.status != "done":
             raise RuntimeError(found.status)
         return found.x, found.seconds["integrate"] + found.seconds["outputs"]
@@ -48,10 +56,7 @@ def ours(rig: Rig, method: str) -> Callable[[float], tuple[Vector, float]]:
 
 def set_up_time(rig: Rig, method: str) -> float:
     """Return the least time [s] that ltcgear takes to set a run up, the integrator being compiled."""
-    found = [
-        whole.integrate(rig.library, rig.p, rig.at, t_end=T_END, rate=RATE, method=method, rtol=1e-4).seconds["prepare"]
-        for _ in range(3)
-    ]
+    found = [_integrate(rig, method, 1e-4).seconds["prepare"] for _ in range(3)]
     return min(found)
 
 

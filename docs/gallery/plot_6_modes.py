@@ -14,7 +14,14 @@ compared with published ones, and the orders of the meshes are laid over them.
 
 import matplotlib.pyplot as plt
 import numpy as np
-from ltcgear.runtime import build, describe_modes, find_equilibrium, find_modes, linearise
+from ltcgear.runtime import (
+    OperatingPoint,
+    build,
+    describe_modes,
+    find_equilibrium,
+    find_modes,
+    linearise,
+)
 from ltcgear.runtime.linear.campbell import sweep_speed
 from ltcgear.runtime.linear.orders import list_orders
 from ltcgear.symbolic import build_model, generate, load_scene
@@ -22,7 +29,7 @@ from ltcgear.symbolic import build_model, generate, load_scene
 model = build_model(load_scene("lin-parker-4"))
 library = build(generate(model))
 p = library.parameters(model.values())
-linear = linearise(library, p, find_equilibrium(library, p))
+linear = linearise(OperatingPoint(library, p, find_equilibrium(library, p)))
 for mode in describe_modes(linear, find_modes(linear)):
     print(
         f"{mode.frequency_hz:10.2f} Hz  {mode.kind:14s} x{mode.multiplicity}  {mode.name}"

@@ -22,7 +22,14 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 from ltcgear.generated.errors import CheckError
-from ltcgear.runtime import build, find_equilibrium, find_modes, linearise, simulate
+from ltcgear.runtime import (
+    OperatingPoint,
+    build,
+    find_equilibrium,
+    find_modes,
+    linearise,
+    simulate,
+)
 from ltcgear.symbolic import SceneBuilder, build_model, check_model, generate
 from ltcgear.symbolic.elements.axes import THETA
 from ltcgear.symbolic.elements.base import Element, Output, Port, element_type, positive
@@ -136,7 +143,8 @@ print(artifact.c[start : start + 900])
 library = build(artifact)
 p = library.parameters(model.values())
 at = find_equilibrium(library, p, tables=model.tables)
-(mode,) = [mode for mode in find_modes(linearise(library, p, at)) if mode.kind != "rigid"]
+linear = linearise(OperatingPoint(library, p, at))
+(mode,) = [mode for mode in find_modes(linear) if mode.kind != "rigid"]
 twist = max(np.roots([6.0e5, 0.0, 8000.0, -900.0]), key=np.real).real
 frequency = np.sqrt((8000.0 + 3 * 6.0e5 * twist**2) / 3.0) / (2 * np.pi)
 print(f"wind-up {twist:.6f} rad")

@@ -22,6 +22,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from ltcgear.runtime import (
+    OperatingPoint,
     build,
     find_equilibrium,
     find_modes,
@@ -142,7 +143,7 @@ plt.show()
 model = build_model(load_scene("psh", {"effects.mesh_stiffness": "mean"}))
 library = build(generate(model))
 p = library.parameters(model.values())
-modes = find_modes(linearise(library, p, find_equilibrium(library, p)))
+modes = find_modes(linearise(OperatingPoint(library, p, find_equilibrium(library, p))))
 own = [mode.frequency_hz for mode in modes if 100.0 < mode.frequency_hz < 2000.0]
 
 passing = run_up["mesh_frequency"].sel(gear_set="psh")

@@ -118,9 +118,10 @@ def linearise_model(library: "Library", model: "Model", turn: float | None = Non
     """Find the equilibrium of a model and linearise it there."""
     from ..linear.system import linearise
     from ..model.equilibrium import find_equilibrium
+    from ..model.operating_point import OperatingPoint
 
     p = library.parameters(model.values())
-    return linearise(library, p, find_equilibrium(library, p, tables=model.tables), turn)
+    return linearise(OperatingPoint(library, p, find_equilibrium(library, p, tables=model.tables)), turn)
 
 
 def choose_count(linear: "Linear") -> int | None:

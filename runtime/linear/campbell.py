@@ -11,6 +11,7 @@ from ..model.equilibrium import find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs
 from ..model.load_torques import given_torques
+from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import TURN
 from .modes import Mode, find_modes
 from .system import Linear, linearise
@@ -183,7 +184,7 @@ def _sweep(
     for done, value in enumerate(values.tolist(), start=1):
         p, tables = at(value)
         try:
-            linears.append(linearise(library, p, find_equilibrium(library, p, tables=tables)))
+            linears.append(linearise(OperatingPoint(library, p, find_equilibrium(library, p, tables=tables))))
         except SolverError as error:
             raise SolverError(f"{axis} {value:g} ({UNITS[axis]}): {error}") from error
         parameters.append(p)

@@ -201,9 +201,10 @@ def vary(
         raise LtcgearError(_too_long(train, cycles))
     at = find_equilibrium(library, p) if at is None else at
     period = float(turns) * 2 * pi / abs(reference)
-    borders = _borders(OperatingPoint(library, p, at), cycles)
+    point = OperatingPoint(library, p, at)
     follows = any(name in followed for name in chosen)
-    return Periodic(linearise(library, p, at), p, cycles, period, borders, follows, len(chosen) == len(varying))
+    whole = len(chosen) == len(varying)
+    return Periodic(linearise(point), p, cycles, period, _borders(point, cycles), follows, whole)
 
 
 def check_periodic(library: Library) -> None:

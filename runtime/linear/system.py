@@ -142,21 +142,21 @@ class Linear:
         return np.array([place[state] for state in states], dtype=np.int64)
 
 
-def linearise(library: Library, p: Vector, at: Equilibrium, turn: float | None = None) -> Linear:
-    """Linearise a model about its equilibrium.
+def linearise(at: OperatingPoint, turn: float | None = None) -> Linear:
+    """Linearise a model about its operating point.
 
     The coordinates turn with the carriers, so gyroscopic and centrifugal terms are in the matrix.
 
     Parameters
     ----------
-    library, p, at
-        The model, its parameters, and the equilibrium.
+    at
+        The model, its parameters and its equilibrium.
     turn
         Turns of the reference after which the meshes are held; means over the mesh phase where left out.
     """
+    library = at.library
     names = [state.name for state in library.manifest.states]
-    held = OperatingPoint(library, p, at)
-    point = replace(held, p=settled(library, p)) if turn is None else replace(held, at=_turned(held, turn))
+    point = replace(at, p=settled(library, at.p)) if turn is None else replace(at, at=_turned(at, turn))
     known = library.manifest.reference == "speed"
     kept = np.array([i for i, name in enumerate(names) if not (known and name == "reference.angle")], dtype=np.int64)
     jacobian = library.functions["jac_rhs"]

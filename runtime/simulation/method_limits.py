@@ -153,6 +153,6 @@ def _step_work(point: OperatingPoint, settings: RunSettings) -> list[Work]:
 
 def _slowest(point: OperatingPoint) -> float:
     """Return the smallest natural frequency [rad/s] that is not rigid."""
-    modes = find_modes(linearise(point.library, point.p, point.at))
+    modes = find_modes(linearise(point))
     found = (mode.frequency_hz for mode in modes if mode.kind != "rigid")
     return 2 * np.pi * min((hertz for hertz in found if hertz > 0), default=float("inf"))

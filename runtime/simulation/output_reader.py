@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model.library import Library
+from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import Clocks
 from ..model.quantity_names import PHASES
 from ..model.rows import Batch
@@ -17,6 +18,7 @@ from ..results.samples import Rows, by_quantity, join_rows, no_rows
 from ..results.statistics import STATISTICS, Statistics
 from .averages import Averages
 from .low_pass import BandFilter
+from .run_settings import RunSettings
 from .trajectory import Block, Outcome, Points, Trajectory
 
 Vector = NDArray[np.float64]
@@ -50,23 +52,22 @@ class Reader:
 
     Parameters
     ----------
-    library, p
-        Model, and parameters at reference angle 0, shape (n_p,).
-    rate, t_end
-        Samples a second [Hz] and time that is simulated [s].
-    raw
-        Whether outputs are those of the instant.
+    point
+        The model where the run begins.
+    settings
+        Settings, sampling rate chosen.
     """
 
-    def __init__(self, library: Library, p: Vector, rate: float, t_end: float, raw: bool) -> None:
-        self.batch, self.clocks = Batch(library, "outputs"), Clocks(library.manifest, p)
-        self.rate, self.raw, self.taken = rate, raw, 0
-        end = round(t_end * rate) / rate  # that of the last sample
+    def __init__(self, point: OperatingPoint, settings: RunSettings) -> None:
+        self.point, library = point, point.library
+        self.batch, self.clocks = Batch(library, "outputs"), Clocks(library.manifest, point.p)
+        self.rate, self.raw, self.taken = settings.sampling_rate, settings.raw, 0
+        end = settings.samples / self.rate  # that of the last sample
         self.span = end / 2, end
         self.instant = [i for i, report in enumerate(library.manifest.reports) if report.quantity in INSTANT]
         self.held = no_rows(library)
         self.start: Vector | None = None
-        self.teeth = Teeth(library, p)
+        self.teeth = Teeth(library, point.p)
         self.deepest = np.zeros(len(self.teeth.meshes))
 
     @cached_property

@@ -11,7 +11,7 @@ from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.lock import Lock
 from ltcgear.generated.writing import check_output, is_forced, remove_drafts
 
-from ..model.equilibrium import Vector, find_equilibrium
+from ..model.equilibrium import find_equilibrium
 from ..model.library import Library
 from ..model.load_tables import Pairs, Signals
 from ..model.operating_point import OperatingPoint
@@ -164,10 +164,10 @@ def record(
             check_room(library, t_end * settings.sampling_rate, target)
         check_run(point, settings)
         integration = Integration(point, settings, passing=passing_speed(settings.sampling_rate, raw))
-        reader = Reader(library, p, settings.sampling_rate, t_end, raw)
+        reader = Reader(point, settings)
         if kept:
             _restore(target, kept, integration, reader)
-        recorder = Recorder(library, p, target, reader, to_attributes(attributes, BEFORE | about), kept)
+        recorder = Recorder(target, reader, to_attributes(attributes, BEFORE | about), kept)
         with recorder.part:
             outcome = integration.proceed(recorder.take, told, lambda: recorder.mark(run, integration.snapshot(), at))
             heading = recorder.finish(outcome := judge(reader, outcome))
@@ -191,7 +191,7 @@ class Recorder:
 
     Parameters
     ----------
-    library, p, target
+    target
         See ``record``.
     reader
         What reads the outputs.
@@ -202,10 +202,9 @@ class Recorder:
     """
 
     def __init__(
-        self, library: Library, p: Vector, target: Path, reader: Reader, attributes: Mapping[str, Any],
-        kept: Snapshot | None,
+        self, target: Path, reader: Reader, attributes: Mapping[str, Any], kept: Snapshot | None
     ) -> None:  # fmt: skip
-        self.library, self.p, self.target, self.reader = library, p, target, reader
+        self.target, self.reader, self.point = target, reader, reader.point
         if kept is None:
             checkpoint_of(target).unlink(missing_ok=True)
         heading = self._heading({**attributes, "status": UNDER_WAY})
@@ -239,11 +238,12 @@ class Recorder:
         self.part.seal(heading.assign_attrs(attributes))
 
     def _append(self, rows: Rows) -> None:
-        self.part.append(columns_of(self.library, rows))
+        self.part.append(columns_of(self.point.library, rows))
 
     def _heading(self, attributes: Mapping[str, Any], statistics: Statistics | None = None) -> "xr.Dataset":
         """Return the result without any row."""
-        heading = make_dataset(self.library, self.p, no_rows(self.library), statistics)
+        library = self.point.library
+        heading = make_dataset(library, self.point.p, no_rows(library), statistics)
         return heading.assign_attrs(attributes)
 
 

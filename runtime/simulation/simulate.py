@@ -119,11 +119,11 @@ class Run:
         self.point = point = OperatingPoint(library, p, find_equilibrium(library, p, tables=settings.tables))
         self.seconds = {"equilibrium": perf_counter() - clock}
         self.settings, self.about = resolve(point, settings)
-        rate, t_end, raw = self.settings.sampling_rate, settings.t_end, settings.raw
-        check_size(library, t_end * rate)
-        self.reader, self.rows = Reader(library, p, rate, t_end, raw), list[Rows]()
+        rate = self.settings.sampling_rate
+        check_size(library, settings.t_end * rate)
+        self.reader, self.rows = Reader(point, self.settings), list[Rows]()
         check_run(point, self.settings)
-        self.integration = Integration(point, self.settings, passing=passing_speed(rate, raw))
+        self.integration = Integration(point, self.settings, passing=passing_speed(rate, settings.raw))
 
     def follow(self, told: Callable[[float], None]) -> None:
         """Integrate, and read the outputs."""

@@ -82,14 +82,13 @@ def estimate_accuracy(
 
 def _follow(point: OperatingPoint, settings: RunSettings, told: Told) -> "xr.Dataset | str":
     """Return a run's forces of the instant, levels and statistics; the reason where it did not reach its end."""
-    library, p, rate = point.library, point.p, settings.sampling_rate
     check_run(point, settings)
-    reader, rows = Reader(library, p, rate, settings.t_end, settings.raw), list[Rows]()
-    integration = Integration(point, settings, passing=passing_speed(rate, settings.raw))
+    reader, rows = Reader(point, settings), list[Rows]()
+    integration = Integration(point, settings, passing=passing_speed(settings.sampling_rate, settings.raw))
     outcome = integration.proceed(lambda block, points: rows.append(reader.read(block, points)), told)
     if outcome.status != "done":
         return outcome.status
-    return make_dataset(library, p, join_rows([*rows, reader.finish()]), motion_statistics(reader, outcome))
+    return make_dataset(point.library, point.p, join_rows([*rows, reader.finish()]), motion_statistics(reader, outcome))
 
 
 def _alike(one: "xr.Dataset", two: "xr.Dataset") -> NDArray[np.bool_]:

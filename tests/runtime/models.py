@@ -13,6 +13,7 @@ from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.rows import over_time
 from ltcgear.runtime.model.state_matrix import Equilibrium
 from ltcgear.runtime.simulation.integrate import integrate
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.trajectory import Trajectory
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -67,7 +68,7 @@ class Case:
 
     def run(self, **options: Any) -> Trajectory:
         """Integrate from the equilibrium, or from another start given as ``at``."""
-        at = options.pop("at", None) or self.at
+        at, told = options.pop("at", None) or self.at, options.pop("told", lambda t: None)
         options = {
             "tables": self.model.tables,
             "t_end": 0.1,
@@ -75,7 +76,7 @@ class Case:
             "method": "cvodes",
             "rtol": 1e-7,
         } | options
-        return integrate(self.library, self.p, at, **options)
+        return integrate(OperatingPoint(self.library, self.p, at), RunSettings(**options), told)
 
 
 def raw_scene(name: str, *settings: str) -> dict[str, Any]:

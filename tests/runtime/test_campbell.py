@@ -343,7 +343,7 @@ def test_an_error_is_a_force_of_its_own_phase(rpm):
     raw["loads"]["drive"]["speed"] = f"{rpm} rpm"
     c = make_case(raw)
     omega = TWO_PI * 25 * 900 / 60
-    found = find_harmonics(linearise(c.library, c.p, c.at), c.p, 2)["gear.mesh"]
+    found = find_harmonics(linearise(c.point), c.p, 2)["gear.mesh"]
     wanted = -(3e8 + 1j * omega * 3e4) * 1e-7 * np.exp(0.3j * np.pi)
     assert found == pytest.approx(np.array([wanted, 0.0]), abs=1e-6 * abs(wanted))
 
@@ -354,7 +354,7 @@ def test_every_mesh_of_a_stage_vibrates_as_its_harmonics_make_it():
     for mesh in ("sun_planet", "ring_planet"):
         raw["stages"]["gear"][mesh] |= {"double_factor": 1.002, "damping_ratio": 0.05}
     c = make_case(raw)
-    linear = linearise(c.library, c.p, c.at)
+    linear = linearise(c.point)
     paths, own, pitch = find_paths(linear), find_harmonics(linear, c.p, 2), 71 * 700 / 60
     slowest = min(abs(mode.eigenvalue.real) for mode in find_modes(linear))
     periods, samples = 20, 64

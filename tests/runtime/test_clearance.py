@@ -68,7 +68,7 @@ def test_a_disc_rests_on_its_race():
 
 def test_a_disc_on_its_race_swings_like_a_pendulum_and_bounces_on_its_spring():
     found = disc()
-    across, up = [mode.frequency_hz * 2 * pi for mode in find_modes(linearise(found.library, found.p, found.at))]
+    across, up = [mode.frequency_hz * 2 * pi for mode in find_modes(linearise(found.point))]
     assert across == pytest.approx(sqrt(G / (GAP + M * G / K)), rel=1e-9)
     assert up == pytest.approx(sqrt(K / M), rel=1e-9)
 

@@ -120,7 +120,7 @@ def test_the_torque_of_the_stiffness_at_rest_is_that_of_closed_form():
 
 def frequencies(scene, *settings):
     found = case(scene, *settings)
-    return np.array([mode.frequency_hz for mode in find_modes(linearise(found.library, found.p, found.at))])
+    return np.array([mode.frequency_hz for mode in find_modes(linearise(found.point))])
 
 
 def stiffened(scene, settings, springs, idealised, factors, below=np.inf):

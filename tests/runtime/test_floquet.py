@@ -9,8 +9,10 @@ from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime.linear.chart import RPM, draw_up
 from ltcgear.runtime.linear.floquet import find_monodromies, find_multipliers, settle
 from ltcgear.runtime.linear.periodic import vary
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.matrix_exponential import Exact
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.special import mathieu_a, mathieu_b
@@ -336,12 +338,8 @@ def parted(c, p, random):
     at, scale, kept = periodic.linear.at, periodic.linear.scale, periodic.linear.kept
     kick = np.zeros(len(scale))
     kick[kept] = 1e-3 * random.normal(size=len(kept)) * scale[kept]
-    one, two = (
-        integrate(
-            c.library, p, start, t_end=PERIODS * periodic.period, rate=1 / periodic.period, method="erk", rtol=1e-8
-        )
-        for start in (at, replace(at, x=at.x + kick))
-    )
+    settings = RunSettings(PERIODS * periodic.period, 1 / periodic.period, "erk", 1e-8)
+    one, two = (integrate(OperatingPoint(c.library, p, start), settings) for start in (at, replace(at, x=at.x + kick)))
     assert one.status == two.status == "done"
     return np.linalg.norm(((two.x - one.x) / scale)[:, kept], axis=1)
 

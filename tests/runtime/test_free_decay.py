@@ -45,7 +45,7 @@ def decay(c, linear, mode, cycles=12, samples=40):
 def test_free_decay_of_a_planetary_gear(k, speed):
     """At rest, and on a carrier that turns so fast that Coriolis forces part the pairs."""
     c = case("lin-parker-3", *DAMPED, *speed)
-    linear = linearise(c.library, c.p, c.at)
+    linear = linearise(c.point)
     mode = [mode for mode in find_modes(linear) if mode.kind != "rigid"][k]
     frequency, damping = decay(c, linear, mode)
     assert frequency == pytest.approx(mode.eigenvalue.imag, rel=1e-4)
@@ -55,8 +55,7 @@ def test_free_decay_of_a_planetary_gear(k, speed):
 def test_coriolis_forces_matter_there():
     still, fast = (case("lin-parker-3", *DAMPED, *speed) for speed in ((), FAST))
     first = [
-        next(mode for mode in find_modes(linearise(c.library, c.p, c.at)) if mode.kind == "translational")
-        for c in (still, fast)
+        next(mode for mode in find_modes(linearise(c.point)) if mode.kind == "translational") for c in (still, fast)
     ]
     assert abs(first[1].frequency_hz / first[0].frequency_hz - 1) > 1e-2
     assert first[0].multiplicity == 2
@@ -66,7 +65,7 @@ def test_coriolis_forces_matter_there():
 def test_free_decay_of_the_loaded_rig():
     """With mean stiffness: the mode of HSP and output shaft, at full load and speed."""
     c = case("rig-2mw", 'effects.mesh_stiffness = "mean"')
-    linear = linearise(c.library, c.p, c.at)
+    linear = linearise(c.point)
     mode = next(mode for mode in find_modes(linear) if 140 < mode.frequency_hz < 150)
     frequency, damping = decay(c, linear, mode)
     assert frequency == pytest.approx(mode.eigenvalue.imag, rel=1e-4)

@@ -35,9 +35,7 @@ def open_bench(name, changes):
 @pytest.mark.parametrize("method", ["erk", "cvodes"])
 def test_a_run_in_which_gears_collide_keeps_only_finite_values(method):
     bench = open_bench("psh", limit_cases.CLOSING)
-    path = integrate(
-        bench.library, bench.p, bench.at, t_end=0.2, rate=8192.0, method=method, rtol=1e-5, tables=bench.tables
-    )
+    path = integrate(bench.point, RunSettings(0.2, 8192.0, method, 1e-5, tables=bench.tables))
     assert 0.05 < path.end < 0.15
     assert path.status.startswith(f"{method} stopped at t = 0.0")
     assert "gears of psh.mesh come so close" in path.status

@@ -20,6 +20,7 @@ from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.methods import stepper
 from ltcgear.runtime.simulation.methods.registry import METHODS
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from scipy.linalg import expm
 
 from . import exact
@@ -364,7 +365,7 @@ def counted():
 def test_the_compiled_functions_are_what_is_integrated(counted, method):
     c, library, read = counted
     before = [read(i) for i in range(2)]
-    path = integrate(library, c.p, c.at, t_end=0.05, rate=8192.0, method=method, rtol=1e-6)
+    path = integrate(OperatingPoint(library, c.p, c.at), RunSettings(0.05, 8192.0, method, 1e-6))
     rhs, jacobian = (read(i) - b for i, b in zip(range(2), before, strict=True))
     assert path.status == "done"
     assert 0.9 * path.counts.rhs <= rhs <= 1.5 * path.counts.rhs + 10 * path.counts.segments
@@ -381,7 +382,7 @@ def test_without_a_compiler_nothing_is_integrated(monkeypatch, method):
     assert c.library.engine == "compiled C"
     at = find_equilibrium(library, c.p)
     with pytest.raises(CompileError, match="needs a C compiler") as refused:
-        integrate(library, c.p, at, t_end=0.1, rate=8192.0, method=method, rtol=1e-7)
+        integrate(OperatingPoint(library, c.p, at), RunSettings(0.1, 8192.0, method, 1e-7))
     assert refused.value.exit_code == 3
 
 

@@ -15,6 +15,7 @@ from ltcgear.runtime.simulation.energy_balance import energy_residual
 from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.simulation.output_reader import sampled
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.emit.pipeline import content_key
 
@@ -345,7 +346,7 @@ def test_a_run_without_its_tables_is_refused():
     c = make_case(shaft(torque("one", (0.0, 1.0), (1.0, 2.0), initial_speed="0 rpm")))
     for call in (
         lambda: find_equilibrium(c.library, c.p),
-        lambda: integrate(c.library, c.p, c.at, t_end=0.1, rate=100.0, method="erk", rtol=1e-6),
+        lambda: integrate(c.point, RunSettings(0.1, 100.0, "erk", 1e-6)),
         lambda: simulate(c.library, c.model.values(), t_end=0.1, rate=100.0),
     ):
         with pytest.raises(LtcgearError, match=r"loads\.load_0\.torque_over_time is missing; .*model\.tables"):

@@ -9,7 +9,7 @@ from .models import case
 
 def paths(name, *settings):
     c = case(name, *settings)
-    linear = linearise(c.library, c.p, c.at)
+    linear = linearise(c.point)
     return linear, find_paths(linear)
 
 

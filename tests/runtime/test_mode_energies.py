@@ -15,7 +15,7 @@ from .models import case
 
 def described(name, *settings):
     c = case(name, *settings)
-    linear = linearise(c.library, c.p, c.at)
+    linear = linearise(c.point)
     return linear, describe_modes(linear, find_modes(linear))
 
 
@@ -75,7 +75,7 @@ def test_strain_energy_is_kinetic_energy_without_damping_and_rotation():
 def test_strain_energy_is_the_work_of_the_linear_forces_of_a_loaded_train(settings):
     """What the springs' part of -M A does, by A itself: rotation slow, no weight's potential, rotor held."""
     c = case("rig-2mw", 'loads.motor.speed = "1e-6 rpm"', *settings)
-    linear = linearise(c.library, c.p, c.at)
+    linear = linearise(c.point)
     energies, rng = Energies(linear), np.random.default_rng(1)
     for _ in range(3):
         u = linear.scale[linear.kept[linear.positions]] * rng.standard_normal(len(linear.positions))

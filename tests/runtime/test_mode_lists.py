@@ -20,7 +20,7 @@ from .models import Case, case, make_case, raw_scene
 
 
 def linear_of(c):
-    return linearise(c.library, c.p, c.at)
+    return linearise(c.point)
 
 
 def rotors(inertias, couplings):

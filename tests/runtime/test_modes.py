@@ -17,7 +17,7 @@ TWO_PI = 2 * np.pi
 
 
 def modes_of(c):
-    return find_modes(linearise(c.library, c.p, c.at))
+    return find_modes(linearise(c.point))
 
 
 def lin_parker_modes(n):

@@ -5,7 +5,9 @@ from importlib import import_module
 
 import numpy as np
 import pytest
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.simulation.integrate import integrate
+from ltcgear.runtime.simulation.run_settings import RunSettings
 from scipy.integrate import DOP853
 
 from regenerate import ROOT
@@ -26,7 +28,7 @@ def rig(peers):
 
 def ours(peers, rig, rtol):
     times = peers("rig")
-    return integrate(rig.library, rig.p, rig.at, t_end=times.T_END, rate=times.RATE, method="erk", rtol=rtol)
+    return integrate(OperatingPoint(rig.library, rig.p, rig.at), RunSettings(times.T_END, times.RATE, "erk", rtol))
 
 
 # --- forces

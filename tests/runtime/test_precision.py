@@ -35,7 +35,7 @@ def samples(one=0.0, two=0.0, bearing=0.0, twist=0.0, state=0.0, dead=0.0):
     return ComparedSamples(
         np.zeros((len(TIME), 1)), {"x": SWING + state, "y": SWING},
         {"mesh_force": forces, "bearing_force": bearings, "transmission_error": {"m": 1e-3 * (2 + SWING) + twist}},
-        dict.fromkeys(SUNS, PHASE),
+        dict.fromkeys(SUNS, PHASE), [list(SUNS)],
     )  # fmt: skip
 
 
@@ -150,7 +150,7 @@ def test_runs_that_part_are_no_reference():
     assert "the two runs part" in apart.reason
     assert "only statistics" in apart.reason
     assert "uncertain by 2.0e-02" in judged(samples(), samples(one=0.2 * OTHER)).reason
-    still = replace(samples(), signals={kind: {} for kind in samples().signals}, states={})
+    still = replace(samples(), signals={kind: {} for kind in samples().signals}, states={}, groups=[])
     assert "nothing moves" in judged(still, still).reason
     rounding = replace(samples(), states={"x": 1e-9 * SWING, "reference.angle": 100 * TIME})
     assert "nothing moves" in judged(rounding, rounding).reason
@@ -158,7 +158,7 @@ def test_runs_that_part_are_no_reference():
 
 
 def test_a_scene_without_meshes_is_judged_by_its_twist():
-    shafts = replace(samples(), signals=samples().signals | {"mesh_force": {}}, phases={})
+    shafts = replace(samples(), signals=samples().signals | {"mesh_force": {}}, phases={}, groups=[])
     assert judged(samples(), samples()).measure == "mesh_force"
     assert judged(shafts, shafts).measure == "transmission_error"
 

@@ -25,7 +25,7 @@ def test_every_mode_has_the_damping_ratio_of_its_frequency(scene, alpha, beta):
     """zeta = alpha / 2 omega + beta omega / 2, at the frequencies of the undamped gear."""
     settings = ("effects.damping = 'rayleigh'", f"rayleigh.mass = '{alpha} 1/s'", f"rayleigh.stiffness = '{beta} s'")
     damped, bare = case(scene, *settings), case(scene)
-    found, plain = (find_modes(linearise(c.library, c.p, c.at)) for c in (damped, bare))
+    found, plain = (find_modes(linearise(c.point)) for c in (damped, bare))
     # The gear that turns freely comes to rest with exp(-alpha t): no oscillation, and no frequency of its own.
     slow = [mode for mode in found if mode.kind != "rigid" and mode.frequency_hz < 100]
     assert [mode.frequency_hz * 2 * np.pi for mode in slow] == ([pytest.approx(alpha, rel=1e-6)] if alpha else [])

@@ -14,7 +14,7 @@ TWO_PI = 2 * np.pi
 
 
 def linear_of(c):
-    return linearise(c.library, c.p, c.at)
+    return linearise(c.point)
 
 
 # --- one gear pair: m x'' + c (x' - e') + k (x - e) = 0 along the line of action

@@ -9,6 +9,7 @@ from ltcgear.runtime.linear.sensitivity import differentiate_modes
 from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
+from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.studies.sensitivity.items import list_modes
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -36,7 +37,7 @@ SWITCHES = ("varying", "pull", "closing")
 
 def linear_of(c, p=None, turn=None):
     p = c.p if p is None else p
-    return linearise(c.library, p, find_equilibrium(c.library, p, tables=c.model.tables), turn)
+    return linearise(OperatingPoint(c.library, p, find_equilibrium(c.library, p, tables=c.model.tables)), turn)
 
 
 def derivatives(c, numbers=None, turn=None):

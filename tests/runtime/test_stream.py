@@ -123,7 +123,7 @@ def test_blocks_of_any_size_read_alike(raw):
         return type(whole)(**{name: value[some] for name, value in vars(whole).items()})
 
     def read(edges):
-        reader = Reader(c.library, c.p, 30e3, 0.03, raw)
+        reader = Reader(c.point, RunSettings(0.03, 30e3, raw=raw))
         given = [(part_of_time(block, *pair), part_of_time(points, *pair)) for pair in pairwise(edges)]
         rows = [reader.read(samples, between) for samples, between in given if len(samples.time)]
         return join_rows([*rows, reader.finish()]), reader.statistics(), [len(row.index) for row in rows]
@@ -198,9 +198,7 @@ def test_ctrl_c_does_nothing_where_a_shell_has_it_ignored():
 def test_rows_are_where_netcdf_reads_them_however_long_the_heading(length, tmp_path):
     """NetCDF pads files of some sizes; records do not end where the file does."""
     c, target = case("psh"), tmp_path / "a.nc"
-    recorder = Recorder(
-        c.library, c.p, target, Reader(c.library, c.p, 8192.0, 1.0, False), {"about": "x" * length}, None
-    )
+    recorder = Recorder(target, Reader(c.point, RunSettings(1.0, 8192.0)), {"about": "x" * length}, None)
     with recorder.part as part:
         rows = np.zeros(3, part.record)
         for place, name in enumerate(part.record.names):

@@ -1,10 +1,9 @@
 """Hard case: a scene, an oracle, and findings with their limits."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite
-from typing import Any
 
 import numpy as np
 from ltcgear.generated.errors import SolverError
@@ -16,7 +15,8 @@ from ...model.load_tables import Pairs
 from ...model.operating_point import OperatingPoint
 from ...model.state_matrix import Equilibrium
 from ...simulation.integrate import integrate
-from ...simulation.trajectory import Trajectory
+from ...simulation.run_settings import RunSettings
+from ...simulation.trajectory import Told, Trajectory
 
 Vector = NDArray[np.float64]
 
@@ -44,14 +44,16 @@ class Bench:
         """Return the operating point."""
         return OperatingPoint(self.library, self.p, self.at)
 
-    def run(self, method: str, *, at: Equilibrium | None = None, **options: Any) -> Trajectory:  # noqa: ANN401
+    def run(
+        self, method: str, *, t_end: float, rate: float, rtol: float, at: Equilibrium | None = None,
+        told: Told = lambda t: None,
+    ) -> Trajectory:  # fmt: skip
         """Integrate from the equilibrium or another start; SolverError where it does not reach its end.
 
-        ``options`` are t_end, rate and rtol, see ``integrate``.
+        Settings are those of ``RunSettings``; ``told`` is called with the simulated time.
         """
-        path = integrate(
-            self.library, self.p, self.at if at is None else at, method=method, tables=self.tables, **options
-        )
+        point = self.point if at is None else replace(self.point, at=at)
+        path = integrate(point, RunSettings(t_end, rate, method, rtol, tables=self.tables), told)
         if path.status != "done":
             raise SolverError(path.status)
         return path

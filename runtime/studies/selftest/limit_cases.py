@@ -122,7 +122,7 @@ def _free(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     bench = open_("lin-parker-4", FREE)
     position = bench.library.index("")
     yield Finding("displacement at rest [m], [rad]", float(np.abs(bench.at.x[position]).max()), 1e-12)
-    modes = find_modes(linearise(bench.library, bench.p, bench.at))
+    modes = find_modes(linearise(bench.point))
     kinds = [mode.kind for mode in modes]
     yield Finding("rigid modes, off 4", abs(kinds.count("rigid") - 4), 0)
     yield Finding(

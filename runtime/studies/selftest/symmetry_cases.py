@@ -39,7 +39,7 @@ def _planets(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     wrong, spread, disorder = 0, 0.0, 0
     for n in range(3, 8):
         bench = open_("lin-parker-4", SMALL_PLANETS | {"stages.gear.planets": str(n)})
-        modes = find_modes(linearise(bench.library, bench.p, bench.at))
+        modes = find_modes(linearise(bench.point))
         due = Counter(rigid=1, rotational=SINGLE, translational=2 * DOUBLE, planet=PLANET * (n - 3))
         wrong += (Counter(mode.kind for mode in modes) - due).total() + (3 * (3 + n) != len(modes))
         spread = max(spread, _spread(modes, "translational", 2), _spread(modes, "planet", n - 3))

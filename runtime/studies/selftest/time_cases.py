@@ -39,7 +39,7 @@ RTOL, PUSH = 1e-8, 1e3
 def check_parametric(open_: Open, method: str, full: bool) -> Iterator[Finding]:
     """Compare growth and decay in time with the largest Floquet multiplier of the exact solution."""
     bench = open_("psh", FREE)
-    natural = find_modes(linearise(bench.library, bench.p, bench.at))[-1].frequency_hz
+    natural = find_modes(linearise(bench.point))[-1].frequency_hz
     for tuning, damping in POINTS:
         speed = 2 * np.pi * tuning * natural / TEETH
         bench = open_(

@@ -46,7 +46,7 @@ def list_modes(
     LtcgearError
         If there is no such mode, or it is a rigid-body mode.
     """
-    linear = linearise(library, p, find_equilibrium(library, p, tables=tables))
+    linear = linearise(OperatingPoint(library, p, find_equilibrium(library, p, tables=tables)))
     modes = find_modes(linear)
     if mode is not None and not 1 <= mode <= len(modes):
         raise LtcgearError(f"--mode {mode}: there are {len(modes)} modes; `ltcgear modes` lists them")
