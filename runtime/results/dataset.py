@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..model.layout import lay_out
 from ..model.library import Library
 from ..model.quantity_names import LONG_NAMES
+from .file_content import FileContent
 from .file_schema import FORM
 from .samples import Rows, by_quantity
 from .statistics import STATISTICS, Statistics
@@ -21,7 +22,12 @@ Vector = NDArray[np.float64]
 
 
 def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics | None = None) -> "xr.Dataset":
-    """Write rows as an xarray Dataset.
+    """Return the content of a result as an xarray Dataset; see ``make_content``."""
+    return make_content(library, p, rows, statistics).to_xarray()
+
+
+def make_content(library: Library, p: Vector, rows: Rows, statistics: Statistics | None = None) -> FileContent:
+    """Return the content of a result.
 
     Parameters
     ----------
@@ -34,12 +40,10 @@ def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics
 
     Returns
     -------
-    xarray.Dataset
+    FileContent
         One variable per quantity over (time, item), with units and long names; the reference's angle, the
         integrator's steps and all states over time; the parameters, and the members' places as attribute ``sheet``.
     """
-    import xarray as xr
-
     manifest, columns = library.manifest, columns_of(library, rows)
     coordinates: dict[str, Any] = {"time": ("time", columns.pop("time"), {"units": "s", "long_name": "time"})}
     data: dict[str, Any] = {
@@ -61,7 +65,7 @@ def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics
     meta = {"units": "SI", "long_name": "state vector", "state_units": units}
     data["state"] = (("time", "state_name"), columns["state"], meta)
     attributes = {"result_format": FORM, "sheet": json.dumps(asdict(lay_out(library, p)))}
-    return xr.Dataset(data, coords=coordinates, attrs=attributes)
+    return FileContent.of(data, coordinates, attributes)
 
 
 def columns_of(library: Library, rows: Rows) -> dict[str, NDArray[Any]]:
