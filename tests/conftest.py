@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from ltcgear.runtime.cli import commands
 
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of programs are started; none compiles all modules again
+
 
 @pytest.fixture(autouse=True, scope="session")
 def store(tmp_path_factory):

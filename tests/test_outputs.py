@@ -242,7 +242,7 @@ def test_room_for_a_result_is_reserved_before_it_is_written(tmp_path, monkeypatc
     begin = row_file.begin
     monkeypatch.setattr(row_file, "begin", noted)
     from .runtime.models import case
-    from .runtime.test_stream import write
+    from .runtime.test_recording import write
 
     for t_end in (0.001, 0.05, 0.5):
         write(case("psh"), tmp_path / "a.nc", t_end=t_end, attributes={"scene_text": "x" * 100_000})

@@ -103,13 +103,13 @@ def check_accuracy(asked: str | None, path: Path | None, given: list[str]) -> No
 
     ``given`` are options that say what the accuracy would choose.
     """
-    from ..studies.accuracy.record import read_record
-    from ..studies.accuracy.selection import read_percentage
-
     if asked is None:
         if path is not None:
             raise LtcgearError(f"--record {path}: say which error is wanted, for example --accuracy 0.1%")
         return
+    from ..studies.accuracy.record import read_record
+    from ..studies.accuracy.selection import read_percentage
+
     read_percentage(asked)
     if given:
         raise LtcgearError(f"--accuracy chooses method and tolerance; leave out {' and '.join(given)}")

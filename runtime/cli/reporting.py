@@ -7,7 +7,6 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import check_output
 
-from ..results.result import load as load_result
 from ..results.terminal import say
 from ..view.tables import printed
 from .app import app
@@ -38,6 +37,7 @@ def report(
     as_json: AsJson = False,
 ) -> None:
     """Write a result as one page of HTML: stages in motion, figures, tables, the scene. It needs no network."""
+    from ..results.result import load
     from ..view.report.page import check_templates, write_report
 
     target = file.with_name(f"{file.stem}.html") if output is None and file.name else output or file
@@ -45,7 +45,7 @@ def report(
     if target.suffix not in (".html", ".htm"):
         raise LtcgearError(f"{target}: a report is a page of HTML; name it {target.with_suffix('.html')}")
     check_templates()
-    result = load_result(file)
+    result = load(file)
     write_report(result, target, find_background(result, modes), at)
     data = {"result": str(file), "file": str(target), "bytes": target.stat().st_size}
     printed.show(as_json, data, lambda shown: say(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))

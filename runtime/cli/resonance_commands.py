@@ -10,7 +10,7 @@ from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import check_output, write_text
 
 from ..results.terminal import say
-from ..view.tables import printed, resonance_printed
+from ..view.tables import printed
 from .app import app
 from .linear import open_linear
 from .opening import compile_model, open_scene
@@ -55,6 +55,7 @@ def campbell(
     from ..linear.orders import list_orders
     from ..linear.resonance import tell_campbell, write_campbell
     from ..view.figures.resonance_figures import draw_campbell
+    from ..view.tables import resonance_printed
     from .number_ranges import read_range
 
     if speed is not None and load is not None:
@@ -87,6 +88,7 @@ def response(
     from ..linear.resonance import tell_response, write_response
     from ..linear.response import choose_frequencies, respond
     from ..view.figures.resonance_figures import draw_response
+    from ..view.tables import resonance_printed
 
     _check(output, scene)
     opened = open_scene(scene, changes, output)

@@ -5,12 +5,14 @@ The command line sets OPENBLAS_NUM_THREADS before NumPy is loaded; a program tha
 since, and its own work may want the threads.
 """
 
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from threading import RLock
 
-import scipy.linalg  # noqa: F401  # brings a BLAS of its own beside NumPy's; only what is loaded is found
+import scipy
 from threadpoolctl import ThreadpoolController
 
 _ALONE = RLock()
@@ -22,11 +24,17 @@ def single_threaded() -> Iterator[None]:
 
     Calls may be nested. Threads enter one after another: each restores the number that it found.
     """
-    with _ALONE, _libraries().limit(limits=1, user_api="blas"):
+    with _ALONE, _libraries("scipy.linalg" in sys.modules).limit(limits=1, user_api="blas"):
         yield
 
 
 @cache
-def _libraries() -> ThreadpoolController:
-    """Return the linear algebra that is loaded; to look for it takes milliseconds, to set its threads microseconds."""
+def _libraries(scipy_loaded: bool) -> ThreadpoolController:
+    """Return the linear algebra that is loaded; to look for it takes milliseconds, to set its threads microseconds.
+
+    SciPy brings a BLAS of its own beside NumPy's, and only what is loaded is found. Where the surroundings set one
+    thread it has one whenever it comes.
+    """
+    if not scipy_loaded and os.environ.get("OPENBLAS_NUM_THREADS") != "1":
+        _ = scipy.linalg
     return ThreadpoolController()

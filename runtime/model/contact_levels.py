@@ -48,7 +48,7 @@ def levels_of(cells: Cells) -> Vector:
 
 def lower(cells: Cells, share: Vector) -> Vector:
     """Return the lower border of cells [cycles]."""
-    return np.asarray(cells // 2 + np.where(cells % 2 == 1, share, 0.0))
+    return np.asarray(cells // 2 + cells % 2 * share)
 
 
 def upper(cells: Cells, share: Vector) -> Vector:

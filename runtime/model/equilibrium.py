@@ -6,8 +6,6 @@ import numpy as np
 from ltcgear.generated.contract import CLOSING, PULL
 from ltcgear.generated.errors import SolverError
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import LinearOperator, onenormest, splu
 
 from .blas import single_threaded
 from .continuation import follow
@@ -215,6 +213,9 @@ def _solve_sparse(stiffness: Vector, force: Vector) -> Vector | None:
     The 1-norm of the inverse is estimated by Hager's method, usually exact and within a factor of 3; it bounds the
     largest singular value of the inverse but for the root of the size.
     """
+    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import LinearOperator, onenormest, splu
+
     size = len(force)
     try:
         factors = splu(csc_array(stiffness))

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .file_content import FileContent
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -16,10 +18,10 @@ SUMS = "attribute_sums"
 VARIABLE: is that of the texts that it holds, which NetCDF has no check sums for."""
 
 
-def add_sums(dataset: "xr.Dataset") -> "xr.Dataset":
-    """Return a dataset with check sums of its attributes; what somebody adds to a file later has none."""
+def list_sums(dataset: "FileContent | xr.Dataset") -> dict[str, str]:
+    """Return the attribute with the check sums of all others; what somebody adds to a file later has none."""
     found = {name: _sum(value) for name, value in _list_attributes(dataset) if name != SUMS}
-    return dataset.assign_attrs({SUMS: json.dumps(found)})
+    return {SUMS: json.dumps(found)}
 
 
 def find_changed(dataset: "xr.Dataset") -> str:
@@ -34,12 +36,12 @@ def find_changed(dataset: "xr.Dataset") -> str:
     return next((name for name in known if found.get(name) != known[name]), "")
 
 
-def _list_attributes(dataset: "xr.Dataset") -> Iterator[tuple[str, Any]]:
+def _list_attributes(dataset: "FileContent | xr.Dataset") -> Iterator[tuple[str, Any]]:
     """Yield all attributes of a dataset and its variables, and the texts that variables hold."""
     yield from ((str(name), value) for name, value in dataset.attrs.items())
     for variable, data in dataset.variables.items():
         yield from ((f"{variable}:{name}", value) for name, value in data.attrs.items())
-        if data.dtype.kind in "OSU":
+        if data.values.dtype.kind in "OSU":
             yield f"{variable}:", "\0".join(map(str, data.values.ravel()))
 
 

@@ -8,12 +8,11 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import prod
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
-if TYPE_CHECKING:
-    import xarray as xr
+from .file_content import FileContent
 
 MAGIC = b"CDF\x02"
 COUNT = slice(4, 8)
@@ -50,22 +49,21 @@ class Layout:
     texts: dict[str, str]
 
 
-def make_heading(dataset: "xr.Dataset", along: str) -> bytes:
+def make_heading(content: FileContent, along: str) -> bytes:
     """Return a file without any record, whose variables over ``along`` move with the records.
 
     Parameters
     ----------
-    dataset
+    content
         Its content, without any row.
     along
         Dimension of the rows.
     """
-    kinds: dict[str, Any] = {"f": np.float64, "i": np.int32}
-    moving = {name: data for name, data in dataset.data_vars.items() if along in data.dims}
-    wide = {name: data.astype(kinds.get(data.dtype.kind, data.dtype)) for name, data in moving.items()}
-    plain = {name: {"_FillValue": None} for name in dataset.variables}
-    form: Any = {"engine": "netcdf4", "format": "NETCDF3_64BIT", "unlimited_dims": [along]}
-    whole = bytes(dataset.assign(wide).to_netcdf(encoding=plain, **form))
+    import netCDF4
+
+    file = netCDF4.Dataset("heading", "w", format="NETCDF3_64BIT_OFFSET", memory=1 << 16)
+    content.write(file, along)
+    whole = bytes(file.close())
     return whole[: _Header(whole).layout().begin]
 
 

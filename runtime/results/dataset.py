@@ -12,6 +12,7 @@ from ..model.library import Library
 from ..model.members import train_of
 from ..model.parameter_values import name_values
 from ..model.quantity_names import LONG_NAMES
+from .file_content import FileContent
 from .file_schema import FORM
 from .samples import Rows, by_quantity
 from .statistics import STATISTICS, Statistics
@@ -24,7 +25,12 @@ Vector = NDArray[np.float64]
 
 
 def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics | None = None) -> "xr.Dataset":
-    """Write rows as an xarray Dataset.
+    """Return the content of a result as an xarray Dataset; see ``make_content``."""
+    return make_content(library, p, rows, statistics).to_xarray()
+
+
+def make_content(library: Library, p: Vector, rows: Rows, statistics: Statistics | None = None) -> FileContent:
+    """Return the content of a result.
 
     Parameters
     ----------
@@ -37,13 +43,11 @@ def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics
 
     Returns
     -------
-    xarray.Dataset
+    FileContent
         One variable per quantity over (time, item), with units and long names; the reference's angle, the
         integrator's steps and all states over time; the parameters; the members' places as attribute ``sheet``, and
         what members and meshes are as ``train``.
     """
-    import xarray as xr
-
     manifest, columns = library.manifest, columns_of(library, rows)
     coordinates: dict[str, Any] = {"time": ("time", columns.pop("time"), {"units": "s", "long_name": "time"})}
     data: dict[str, Any] = {
@@ -67,7 +71,7 @@ def make_dataset(library: Library, p: Vector, rows: Rows, statistics: Statistics
     attributes = {
         "result_format": FORM, "sheet": json.dumps(asdict(lay_out(library, p))), TRAIN: write_train(train_of(manifest)),
     }  # fmt: skip
-    return xr.Dataset(data, coords=coordinates, attrs=attributes)
+    return FileContent.of(data, coordinates, attributes)
 
 
 def columns_of(library: Library, rows: Rows) -> dict[str, NDArray[Any]]:

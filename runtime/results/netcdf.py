@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ltcgear.generated.writing import written_whole
 
-from .checksums import add_sums
+from .checksums import list_sums
+from .file_content import FileContent, has_sum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,7 +60,7 @@ def save(dataset: "xr.Dataset", path: Path, retry: str = "run the same command a
     MachineError
         If it cannot be written.
     """
-    summed = add_sums(dataset)
+    summed = dataset.assign_attrs(list_sums(dataset))
     with written_whole(path, retry) as draft:
         begin(draft, summed)
         fill(draft, summed)
@@ -139,7 +140,7 @@ def _read_apart(path: Path) -> None:
         raise OSError(f"damaged: HDF5 dies of it, by signal {-done.returncode}")
 
 
-def begin(draft: Path, dataset: "xr.Dataset", more: int = 0) -> None:
+def begin(draft: Path, dataset: "FileContent | xr.Dataset", more: int = 0) -> None:
     """Make a draft a NetCDF4 file without content, in which there is room.
 
     Parameters
@@ -160,7 +161,8 @@ def begin(draft: Path, dataset: "xr.Dataset", more: int = 0) -> None:
 
     parts = [(variable.attrs, variable.values) for variable in dataset.variables.values()]
     texts = sum(_length(*part) for part in [(dataset.attrs, np.zeros(0)), *parts])
-    room = int((dataset.nbytes + more) * OVERHEAD) + 2 * texts + EACH * (len(dataset.variables) + 8)
+    size = sum(values.nbytes for _, values in parts) + more
+    room = int(size * OVERHEAD) + 2 * texts + EACH * (len(parts) + 8)
     _reserve(draft, room)  # only then is an empty file sure to find its place
     netCDF4.Dataset(draft, "w").close()
     _reserve(draft, room)
@@ -180,7 +182,7 @@ def fill(draft: Path, dataset: "xr.Dataset") -> None:
     OSError
         If the disk fails.
     """
-    summed = {name: {"fletcher32": True} for name, data in dataset.variables.items() if has_sum(data)}
+    summed = {name: {"fletcher32": True} for name, data in dataset.variables.items() if has_sum(data.values)}
     try:
         dataset.to_netcdf(draft, mode="a", engine="netcdf4", encoding=summed)
     except RuntimeError as error:  # HDF5's own
@@ -193,8 +195,3 @@ def _length(attributes: Mapping[Any, Any], values: Any) -> int:  # noqa: ANN401
     if values.dtype.kind in "OSU":
         texts += [str(value).encode("utf-8", "replace") for value in values.ravel()]
     return sum(map(len, texts)) + 32 * len(texts)
-
-
-def has_sum(data: "xr.Variable") -> bool:
-    """Say whether a variable gets a check sum (Fletcher's), so that damage of it is seen when it is read."""
-    return data.ndim > 0 and data.size > 0 and data.dtype.kind in "fiu"

@@ -128,6 +128,11 @@ def round_statistics(found: Mapping[str, Mapping[str, float]], dataset: xr.Datas
     """
     largest = max((abs(one[end]) for one in found.values() for end in ("min", "max")), default=0.0)
     floor = np.inf if is_unstrained(dataset) else max(find_floors(dataset).get("N", 0.0), SHARE * largest)
+    return round_below(found, floor)
+
+
+def round_below(found: Mapping[str, Mapping[str, float]], floor: float) -> dict[str, dict[str, float]]:
+    """Return statistics of mesh forces [N] in which what is not above a floor [N] is 0."""
     told = {}
     for mesh, one in found.items():
         size = max(abs(one["min"]), abs(one["max"]))

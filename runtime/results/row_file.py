@@ -14,20 +14,17 @@ import zlib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import follow, told, written_whole
 from numpy.typing import NDArray
 
-from .checksums import add_sums
+from .checksums import list_sums
 from .classic_netcdf import BROKEN, COUNT, Layout, make_heading, read_layout
-from .netcdf import begin, fill, sign
-
-if TYPE_CHECKING:
-    import xarray as xr
-
+from .file_content import FileContent, StoredVariable
+from .netcdf import begin, sign
 
 BLOCK = 1024
 """Rows that are copied at once."""
@@ -74,7 +71,7 @@ class Part:
     goes_on = "--resume goes on"
     """How one goes on where room was made."""
 
-    def __init__(self, target: Path, heading: "xr.Dataset", kept: int | None = None, along: str = "time") -> None:
+    def __init__(self, target: Path, heading: FileContent, kept: int | None = None, along: str = "time") -> None:
         self.target, self.path, self.along = target, part_of(target), along
         if kept is None:
             self._make(heading)
@@ -95,7 +92,7 @@ class Part:
         """Say what keeps the file from being written, and that the rows are not lost."""
         return told(self.path, retry=self.goes_on)
 
-    def _make(self, heading: "xr.Dataset") -> None:
+    def _make(self, heading: FileContent) -> None:
         """Write a part without any row; it appears whole or not at all."""
         name = secrets.token_hex(16)
         data = make_heading(heading.assign_attrs({IDENTITY: f"{name}:{NO_SUM}"}), self.along)
@@ -156,7 +153,7 @@ class Part:
             written = os.pwrite(self.file, left, place)
             left, place = left[written:], place + written
 
-    def seal(self, heading: "xr.Dataset") -> None:
+    def seal(self, heading: FileContent) -> None:
         """Write the result; it appears whole or not at all.
 
         ``heading`` is the result without rows, with all that is known at the end.
@@ -168,16 +165,14 @@ class Part:
         """
         import netCDF4
 
-        heading = add_sums(heading)
-        fixed = heading.drop_dims(self.along)
-        fixed.encoding = {}
+        heading = heading.assign_attrs(list_sums(heading))
         with written_whole(self.target, self.goes_on) as draft:
             begin(draft, heading, self.rows * self.record.itemsize)
-            fill(draft, fixed)
             try:
                 with netCDF4.Dataset(draft, "a") as result:
+                    heading.over(self.along, moving=False).write(result)
                     result.createDimension(self.along, self.rows)
-                    found = self._copy(heading, result)
+                    found = self._copy(heading.variables, result)
             except RuntimeError as error:  # HDF5's own
                 raise OSError(str(error)) from error
             if found != self.sum:
@@ -186,16 +181,17 @@ class Part:
                 )
             sign(draft)
 
-    def _copy(self, heading: "xr.Dataset", result: Any) -> int:  # noqa: ANN401
+    def _copy(self, heading: Mapping[str, StoredVariable], result: Any) -> int:  # noqa: ANN401
         """Copy all rows, block by block; return their check sum."""
         copies = {}
         result.set_fill_off()
         for name in self.record.names or ():
             source = heading[name]
-            options: dict[str, Any] = {"fill_value": np.nan} if source.dtype.kind == "f" else {}
+            form = source.values.dtype
+            options: dict[str, Any] = {"fill_value": np.nan} if form.kind == "f" else {}
             if self.rows:
-                options |= {"fletcher32": True, "chunksizes": (min(BLOCK, self.rows), *source.shape[1:])}
-            copied = result.createVariable(name, source.dtype, source.dims, **options)
+                options |= {"fletcher32": True, "chunksizes": (min(BLOCK, self.rows), *source.values.shape[1:])}
+            copied = result.createVariable(name, form, source.dims, **options)
             copied.setncatts(source.attrs)
             copied.set_auto_mask(False)
             copies[name] = copied
@@ -246,6 +242,6 @@ def read_part(path: Path) -> Layout:
     return layout
 
 
-def _moving(heading: "xr.Dataset", along: str) -> list[str]:
+def _moving(heading: FileContent, along: str) -> list[str]:
     """Return the variables that change from row to row."""
-    return [str(name) for name, variable in heading.variables.items() if along in variable.dims]
+    return list(heading.over(along).variables)

@@ -132,7 +132,7 @@ def statistics(dataset: xr.Dataset, start_s: float) -> dict[str, dict[str, float
     else:
         part = window(dataset, start_s)
         values = sample_statistics(part["mesh_force"].transpose("time", "mesh").values)
-    return dict(zip(meshes, map(_with_factors, values.T.tolist()), strict=True))
+    return dict(zip(meshes, map(name_values, values.T.tolist()), strict=True))
 
 
 def are_followed(dataset: xr.Dataset, start_s: float, stop_s: float | None = None) -> bool:
@@ -157,7 +157,7 @@ def sample_statistics(values: FloatArray) -> FloatArray:
     return np.array([mean, np.hypot(mean, std), std, values.min(axis=0), values.max(axis=0)])
 
 
-def _with_factors(values: list[float]) -> dict[str, float]:
+def name_values(values: list[float]) -> dict[str, float]:
     """Name the statistics of a mesh force, and add what follows from them."""
     mean, rms, _, low, high = (value + 0.0 for value in values)  # no -0
     peak = high if mean >= 0.0 else low

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
-from ..linear.modes import find_modes
-from ..linear.system import linearise
 from ..model.library import Library
 from ..model.load_tables import Pairs
 from ..model.operating_point import OperatingPoint
@@ -153,6 +151,9 @@ def _step_work(point: OperatingPoint, settings: RunSettings) -> list[Work]:
 
 def _slowest(point: OperatingPoint) -> float:
     """Return the smallest natural frequency [rad/s] that is not rigid."""
+    from ..linear.modes import find_modes
+    from ..linear.system import linearise
+
     modes = find_modes(linearise(point))
     found = (mode.frequency_hz for mode in modes if mode.kind != "rigid")
     return 2 * np.pi * min((hertz for hertz in found if hertz > 0), default=float("inf"))

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
@@ -18,7 +18,8 @@ from ..model.operating_point import OperatingPoint
 from ..model.state_matrix import Equilibrium
 from ..results.attributes import FORCES, GOES_ON, UNFINISHED, to_attributes
 from ..results.checkpoint import AGAIN, Snapshot, checkpoint_of, describe_run, read_checkpoint, write_checkpoint
-from ..results.dataset import columns_of, make_dataset
+from ..results.dataset import columns_of, make_content
+from ..results.file_content import FileContent
 from ..results.result import RESULT, SWEEP, tell_kind
 from ..results.row_file import BEGIN_ANEW, Part, part_of, read_part
 from ..results.samples import Rows, no_rows
@@ -31,9 +32,6 @@ from .room import check_room
 from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings
 from .simulate import resolve, summarise, tell_forces, verified
 from .trajectory import Block, Counts, Outcome, Points
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 UNFIT = (KeyError, ValueError, TypeError, IndexError, AttributeError)
 """What a checkpoint raises whose arrays are not those of the run."""
@@ -170,8 +168,9 @@ def record(
         recorder = Recorder(target, reader, to_attributes(attributes, BEFORE | about), kept)
         with recorder.part:
             outcome = integration.proceed(recorder.take, told, lambda: recorder.mark(run, integration.snapshot(), at))
-            heading = recorder.finish(outcome := judge(reader, outcome))
-            forces = tell_forces(heading, point.strain)
+            outcome = judge(reader, outcome)
+            statistics = recorder.finish(outcome)
+            forces = tell_forces(library, statistics, point.strain)
             summary = about | summarise(point, outcome, forces, reader)
             summary |= {"seconds": seconds | outcome.seconds}
             if summary["status"].startswith("interrupted"):
@@ -179,7 +178,7 @@ def record(
             if verify:
                 summary |= verified(point, summary, settings)
             clock = perf_counter()
-            recorder.seal(to_attributes(attributes, summary), heading)
+            recorder.seal(to_attributes(attributes, summary), statistics)
             summary["seconds"]["write"] = perf_counter() - clock
         checkpoint_of(target).unlink(missing_ok=True)
         recorder.part.remove()
@@ -228,22 +227,22 @@ class Recorder:
         kept = {name: np.array(value) for name, value in rows.items()}
         write_checkpoint(self.target, run, reached | self.reader.snapshot() | kept | start)
 
-    def finish(self, outcome: Outcome) -> "xr.Dataset":
-        """Append the last rows; return the result without any row, with the statistics of the outputs."""
+    def finish(self, outcome: Outcome) -> Statistics | None:
+        """Append the last rows; return the statistics of the outputs."""
         self._append(self.reader.finish())
-        return self._heading({}, motion_statistics(self.reader, outcome))
+        return motion_statistics(self.reader, outcome)
 
-    def seal(self, attributes: Mapping[str, Any], heading: "xr.Dataset") -> None:
+    def seal(self, attributes: Mapping[str, Any], statistics: Statistics | None) -> None:
         """Write the result."""
-        self.part.seal(heading.assign_attrs(attributes))
+        self.part.seal(self._heading(attributes, statistics))
 
     def _append(self, rows: Rows) -> None:
         self.part.append(columns_of(self.point.library, rows))
 
-    def _heading(self, attributes: Mapping[str, Any], statistics: Statistics | None = None) -> "xr.Dataset":
+    def _heading(self, attributes: Mapping[str, Any], statistics: Statistics | None = None) -> FileContent:
         """Return the result without any row."""
         library = self.point.library
-        heading = make_dataset(library, self.point.p, no_rows(library), statistics)
+        heading = make_content(library, self.point.p, no_rows(library), statistics)
         return heading.assign_attrs(attributes)
 
 

@@ -5,6 +5,8 @@ from dataclasses import asdict, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..model.asynchronous_machines import past_breakdown
 from ..model.energy_levels import LOADED
 from ..model.equilibrium import Vector, find_equilibrium
@@ -14,9 +16,9 @@ from ..model.operating_point import OperatingPoint
 from ..results.attributes import to_attributes
 from ..results.dataset import make_dataset
 from ..results.result import Result
-from ..results.rounding import round_statistics
+from ..results.rounding import SHARE, round_below
 from ..results.samples import Rows, by_quantity, join_rows
-from ..results.statistics import statistics
+from ..results.statistics import STATISTICS, Statistics, name_values
 from .choose_method import Choice, choose
 from .energy_balance import energy_residual
 from .integration import Integration
@@ -136,7 +138,7 @@ class Run:
         self.rows.clear()  # lest they take their room beside the quantities
         dataset = make_dataset(self.point.library, self.point.p, rows, statistics)
         outcome.seconds["outputs"] += perf_counter() - clock
-        forces = tell_forces(dataset, self.point.strain)
+        forces = tell_forces(self.point.library, statistics, self.point.strain)
         about = summarise(self.point, outcome, forces, self.reader)
         return dataset, self.about | about | {"seconds": self.seconds | outcome.seconds}
 
@@ -156,15 +158,21 @@ def resolve(point: OperatingPoint, settings: RunSettings) -> tuple[RunSettings, 
     return replace(settings, method=choice.method, rate=sampling.rate), about
 
 
-def tell_forces(dataset: "xr.Dataset", strain: float) -> dict[str, Any]:
+def tell_forces(library: Library, found: Statistics | None, strain: float) -> dict[str, Any]:
     """Return statistics of the mesh forces along the motion, rounding told as 0; none of a run that did not end.
 
     ``strain`` is the energy that the loaded equilibrium stores [J].
     """
-    if "mesh_force" not in dataset or "statistics" not in dataset:
+    columns, reports = by_quantity(library), library.manifest.reports
+    if found is None or "mesh_force" not in columns:
         return {}
-    found = statistics(dataset, dataset["statistics"].attrs["from_s"])
-    return round_statistics(found, dataset.assign_attrs(static_strain_j=strain))
+    forces = {reports[i].item: name_values(found.values[:, i].tolist()) for i in columns["mesh_force"]}
+    size = np.nan_to_num(np.abs(found.values[[STATISTICS.index(end) for end in ("min", "max")]])).max(axis=0)
+    floor = SHARE * max(size[i] for i, report in enumerate(reports) if report.unit == "N")
+    if strain < LOADED and "mesh_deflection" in columns:
+        force, deflection = (size[columns[name]] for name in ("mesh_force", "mesh_deflection"))
+        floor = np.inf if (0.5 * force * deflection < LOADED).all() else floor
+    return round_below(forces, floor)
 
 
 def verified(point: OperatingPoint, summary: Mapping[str, Any], settings: RunSettings) -> dict[str, Any]:

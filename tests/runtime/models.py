@@ -1,11 +1,14 @@
 """Scenes built once for all tests: what a scene's file says, changed by settings, down to its equilibrium."""
 
+import os
 import tomllib
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
+import pytest
+from ltcgear.generated.compiler import MORE_FLAGS
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
@@ -110,6 +113,19 @@ def make_case(raw: dict[str, Any]) -> Case:
 def case(name: str, *settings: str) -> Case:
     """Build a shipped scene with settings (see ``raw_scene``), once a session."""
     return make_case(raw_scene(name, *settings))
+
+
+@cache
+def quick_case(name: str, *settings: str) -> Case:
+    """Build as ``case`` does, the C compiled without optimisation: for large models that are hardly run.
+
+    Those with many effects at once compile for half a minute otherwise, in a tenth of that so. A session that sets
+    flags of its own keeps them.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        if not os.environ.get(MORE_FLAGS):
+            patch.setenv(MORE_FLAGS, "-O0")
+        return make_case(raw_scene(name, *settings))
 
 
 @cache

@@ -11,7 +11,7 @@ from ltcgear.runtime.simulation.energy_balance import energy_residual
 
 from reference.hand_profiles import smooth_levels
 
-from .models import case
+from .models import case, quick_case
 from .variants import CARRIER_BEARING, ONE_FLANK, OPPOSITE, TORQUE, TORSIONAL, VARIANTS
 
 OLD = ("rig", "paper law", "mesh friction", "bearing friction", "gravity", "opposite flank", "torque-driven",
@@ -31,7 +31,7 @@ def test_energy_is_kept(variant):
     settings = VARIANTS[variant]
     if ONE_FLANK in settings:  # flanks opposite to the load do not hold it
         settings = tuple(setting for setting in settings if setting not in OPPOSITE)
-    found = case("rig-2mw", *settings)
+    found = quick_case("rig-2mw", *settings)
     path = found.run(method="erk", rtol=1e-11 if variant == HAMMERING else 1e-9, t_end=0.05)
     assert path.status == "done"
     assert abs(energy_residual(found.point, path)) < 1e-7

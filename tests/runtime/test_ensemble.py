@@ -22,7 +22,7 @@ from ltcgear.runtime.simulation.simulate import Run, simulate
 
 from .models import case
 from .test_long_runs import QUICK
-from .test_stream import assert_same, told
+from .test_recording import assert_same, told
 
 OPTIONS = {"t_end": 0.05, "rate": 8192.0, "method": "erk"}
 SPEEDING = ("-loads.input.speed", 'loads.input.speed_over_time = [["0 s", "30 rpm"], ["0.05 s", "300 rpm"]]')

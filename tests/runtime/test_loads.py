@@ -20,7 +20,7 @@ from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.symbolic.emit.pipeline import content_key
 
 from .models import case, change, make_case, raw_scene
-from .test_switching import border_count, nominal_phase, share_of
+from .test_contact_levels import border_count, nominal_phase, share_of
 
 RPM = 2 * np.pi / 60
 I1, I2, K = 2.0, 3.0, 5e4

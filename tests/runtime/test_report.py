@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import netCDF4
 import pytest
-from ltcgear.runtime import build, simulate
+from ltcgear.runtime import build, load, simulate
 from ltcgear.runtime.cli import reporting
 from ltcgear.runtime.results.checksums import SUMS
 from ltcgear.runtime.view.report.page import write_report
@@ -38,7 +38,7 @@ def psh(tmp_path_factory):
 
 def make_page(file, modes=True, **options):
     """Write a result's page beside it, as the command does; return its text."""
-    loaded = reporting.load_result(file)
+    loaded = load(file)
     page = file.with_suffix(".html")
     write_report(loaded, page, reporting.find_background(loaded, modes), **options)
     return page.read_text("utf-8")
@@ -276,7 +276,7 @@ def test_an_older_page_outlives_a_refusal(refused, psh, tmp_path):
 
 def test_without_jinja2_the_command_says_what_to_install(refused, psh, monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "jinja2", None)
-    monkeypatch.setattr(reporting, "load_result", None)  # said before anything is read
+    monkeypatch.setattr("ltcgear.runtime.results.result.load", None)  # said before anything is read
     err = refused("report", psh[0], "-o", tmp_path / "page.html")
     assert "pip install 'ltcgear[report]'" in err
     assert len(err.splitlines()) == 1

@@ -22,7 +22,7 @@ from ltcgear.runtime.simulation.run_settings import RunSettings
 
 from .models import case, make_case
 from .test_loads import shaft, torque
-from .test_stream import SMOOTH, assert_same, told, write
+from .test_recording import SMOOTH, assert_same, told, write
 
 
 class KilledError(Exception):

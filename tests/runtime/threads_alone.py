@@ -4,6 +4,7 @@ from threading import Event, Thread
 
 import numpy as np
 import pytest
+import scipy.linalg  # noqa: F401  # its BLAS is there from the beginning, so that the program may set its threads
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model.blas import single_threaded
 from ltcgear.runtime.simulation.simulate import simulate

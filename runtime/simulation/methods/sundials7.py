@@ -152,19 +152,19 @@ class SundaeStepper:
         """Take steps until a time is reached or a border is met; return where."""
         times, values = [], []
         reached = float(self.times[-1])
-        while reached < min(end, self.border):
-            with redirect_stdout(StringIO()):  # scikit-sundae prints what it returns as a message
+        with redirect_stdout(StringIO()):  # scikit-sundae prints what it returns as a message
+            while reached < min(end, self.border):
                 step = self.solver.step(end, "onestep")
-            if not step.success:
-                raise RuntimeError(step.message)
-            reached = float(step.t)
-            times.append(reached)
-            values.append(step.y)
-            if step.status == ROOT:
-                self.border = reached
-            if len(times) > MOST_STEPS:
-                raise RuntimeError(f"more than {MOST_STEPS} steps in a segment")
-            self._count(int(step.nfev), int(step.njev))
+                if not step.success:
+                    raise RuntimeError(step.message)
+                reached = float(step.t)
+                times.append(reached)
+                values.append(step.y)
+                if step.status == ROOT:
+                    self.border = reached
+                if len(times) > MOST_STEPS:
+                    raise RuntimeError(f"more than {MOST_STEPS} steps in a segment")
+                self._count(int(step.nfev), int(step.njev))
         self.times = np.append(self.times, times)
         self.values = np.vstack([self.values, *values])
         return min(end, self.border)

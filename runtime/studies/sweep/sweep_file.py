@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ...results.attributes import UNFINISHED
 from ...results.checkpoint import tell_differences
 from ...results.checksums import SUMS, find_changed
+from ...results.file_content import FileContent
 from ...results.netcdf import open_file, save
 from ...results.row_file import IDENTITY, Part, part_of, read_part
 from .design import Design
@@ -148,17 +149,15 @@ class Store:
         self.done = {int(point) for point in rows["point"].values} - (failed if self.retry else set())
         self.failed = 0 if self.retry else len(failed)
 
-    def _heading(self) -> "xr.Dataset":
+    def _heading(self) -> FileContent:
         """Return the file's content without any row."""
-        import xarray as xr
-
         data: dict[str, Any] = {name: ("point", np.zeros(0, f"S{size}")) for name, size in TEXTS.items()}
         data[CHECK] = ("point", np.zeros(0, np.int32))
         for name, variable in self.form.data_vars.items():
             data[str(name)] = (("point", *variable.dims), np.zeros((0, *variable.shape)), variable.attrs)
-        coordinates = {str(name): coordinate for name, coordinate in self.form.coords.items()}
+        coordinates = {str(name): (data.dims, data.values, data.attrs) for name, data in self.form.coords.items()}
         under_way = {"status": f"{UNFINISHED}; {GO_ON}"}
-        return xr.Dataset(data, {"point": np.zeros(0), **coordinates}, {**self.attributes, **under_way})
+        return FileContent.of(data, {"point": ("point", np.zeros(0)), **coordinates}, {**self.attributes, **under_way})
 
     def __enter__(self) -> "Store":
         """Use the file."""

@@ -1,6 +1,3 @@
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from ltcgear.runtime.results.amplitude_spectrum import (
@@ -111,20 +108,6 @@ def test_under_a_flat_top_a_sine_between_bins_reads_its_amplitude():
 @pytest.mark.parametrize(("distance", "found"), [(1, [4, 7, 1]), (3, [4, 7, 1]), (4, [4])])
 def test_peaks_come_largest_first_flat_ones_by_their_middles(distance, found):
     assert find_peaks(np.array([0.0, 1.0, 1.0, 0.0, 3.0, 0.0, 2.0, 2.0, 2.0, 1.0]), distance) == found
-
-
-def test_a_run_does_not_wait_for_scipy_signal(tmp_path):
-    """Its import takes half a second, and a run has no spectra."""
-    code = (
-        "import sys; from ltcgear.runtime.cli.commands import main;"
-        f"sys.argv = ['ltcgear', 'simulate', 'psh', '--t-end', '0.01', '-o', {str(tmp_path / 'a.nc')!r}]\n"
-        "try: main()\n"
-        "except SystemExit: pass\n"
-        "print('scipy.signal' in sys.modules)"
-    )
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert (tmp_path / "a.nc").exists()
-    assert run.stdout.endswith("False\n")
 
 
 def test_values_of_one_level_have_no_peaks():
