@@ -46,7 +46,7 @@ def group_of(name: str) -> str:
 def _by_names(names: tuple[str, ...]) -> Train:
     """Return the train that names of items tell: ``stage.part``, ``stage.planet.1``, ``stage.kind.1``, ``stage.mesh``.
 
-    Files of version 1.0 and before, and data that ltcgear did not write, tell no more.
+    Files written before the attribute was, and data that ltcgear did not write, tell no more.
     """
     members, joints = {}, {}
     for name in names:
