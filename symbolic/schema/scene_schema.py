@@ -306,7 +306,7 @@ class Simulation(SceneTable):
     rate: Rate | None = None
 
     def faults(self) -> Iterator[str]:
-        """Check that the result fits in memory."""
+        """Check that the number of samples is bounded."""
         if self.rate is not None and self.t_end * self.rate > MOST_SAMPLES:
             asked = f"{self.t_end * self.rate:.2g} samples"
             yield f".rate: t_end times rate are {asked}, above {MOST_SAMPLES:.0e}; lower one"
