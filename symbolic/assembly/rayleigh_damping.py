@@ -6,12 +6,12 @@ from .draft import Draft
 
 
 def rayleigh_of(draft: Draft) -> Rayleigh | None:
-    """Return the two factors where the scene calls for Rayleigh damping."""
+    """Return the two factors if the scene has Rayleigh damping."""
     return draft.scene.rayleigh if draft.scene.effects["damping"] == "rayleigh" else None
 
 
 def add_rayleigh(draft: Draft) -> None:
-    """Add the mass-proportional part to every body that has a freedom of its own."""
+    """Add the mass-proportional part to every body with its own degrees of freedom."""
     factors = rayleigh_of(draft)
     if factors is None or not factors.mass:
         return

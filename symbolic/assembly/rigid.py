@@ -11,7 +11,7 @@ from .draft import Draft
 
 
 def turning_of(scene: Scene, rigid: train.RigidMotion, name: str, member: Member | Rotor) -> str:
-    """Say how the angle of a member that turns on its own is described."""
+    """Return the description of the angle of a member without a leader."""
     if train.is_fixed(member):
         return "held"
     if any(load.member == name and load.holds for load in scene.loads.values()):
@@ -20,7 +20,7 @@ def turning_of(scene: Scene, rigid: train.RigidMotion, name: str, member: Member
 
 
 def find_leaders(scene: Scene, rigid: train.RigidMotion) -> dict[str, str]:
-    """Return member -> the member whose angle it shares, for all that rigid shafts join to another."""
+    """Return member -> its leader, whose angle it shares, for all members joined by rigid shafts."""
     if scene.effects["torsional_shafts"] == "flexible":
         return {}
     everyone = train.members(scene)
@@ -35,18 +35,18 @@ def find_leaders(scene: Scene, rigid: train.RigidMotion) -> dict[str, str]:
 
 
 def rigid_pins(scene: Scene) -> bool:
-    """Tell whether planets sit rigidly on their carriers; without lateral freedom nothing else is left."""
+    """Tell whether planets sit rigidly on their carriers; without lateral motion they always do."""
     return scene.effects["pins"] == "rigid" or scene.effects["lateral"] == "off"
 
 
 def in_plane(scene: Scene) -> bool:
-    """Tell whether the places of gears matter: not, where nothing moves sideways and meshes need angles only."""
+    """Tell whether positions of gears matter; without lateral motion meshes need angles only."""
     effects = scene.effects
     return effects["lateral"] == "on" or effects["mesh_friction"] != "off" or effects["eccentricity"] == "on"
 
 
 def pin_offset(scene: Scene, stage: Planetary, number: int) -> tuple[float, float]:
-    """Return how far a pin lies from its nominal place [m], outwards and along the pin circle."""
+    """Return the position error of a pin [m], outwards and along the pin circle."""
     if scene.effects["planet_position_error"] == "off":
         return 0.0, 0.0
     error = next((e for e in stage.position_errors if e.planet == number), PositionError(planet=number))
@@ -54,7 +54,7 @@ def pin_offset(scene: Scene, stage: Planetary, number: int) -> tuple[float, floa
 
 
 def pin_places(scene: Scene, stage: Planetary) -> list[tuple[float, float]]:
-    """Return where the pins are [m], at angle zero of the carrier."""
+    """Return the positions of the pins [m], at angle zero of the carrier."""
     distance, places = gear_geometry.stage_distance(stage), []
     for number, angle in enumerate(train.planet_angles(stage), start=1):
         radial, tangential = pin_offset(scene, stage, number)
@@ -65,7 +65,7 @@ def pin_places(scene: Scene, stage: Planetary) -> list[tuple[float, float]]:
 
 
 def seated(scene: Scene, name: str) -> tuple[float, float, float, float]:
-    """Return what the planets on a carrier's rigid pins add: mass, inertia, and mass times offset [kg m]."""
+    """Return the contribution of planets on a carrier's rigid pins: mass, inertia, and mass times offset [kg m]."""
     stage = scene.stages.get(name.split(".")[0])
     if not (isinstance(stage, Planetary) and name.endswith(".carrier") and rigid_pins(scene)):
         return 0.0, 0.0, 0.0, 0.0
@@ -76,7 +76,7 @@ def seated(scene: Scene, name: str) -> tuple[float, float, float, float]:
 
 
 def joined_inertia(draft: Draft, name: str, member: Member | Rotor) -> float:
-    """Return the inertia [kg m^2] of all that turns with a leader: shafts' members, planets on their carriers."""
+    """Return the inertia [kg m^2] of all that rotates with a leader: shafts' members, planets on their carriers."""
     if name.endswith(".planet"):
         return train.inertia_of(member)[1]
     everyone = train.members(draft.scene)
@@ -85,7 +85,7 @@ def joined_inertia(draft: Draft, name: str, member: Member | Rotor) -> float:
 
 
 def is_unbalanced(draft: Draft, name: str) -> bool:
-    """Tell whether planets sit unevenly on a member."""
+    """Tell whether the planets on a member are unbalanced."""
     stage = draft.scene.stages.get(name.split(".")[0])
     if not seated(draft.scene, name)[0] or not isinstance(stage, Planetary):
         return False
@@ -94,7 +94,7 @@ def is_unbalanced(draft: Draft, name: str) -> bool:
 
 
 def static_moment(draft: Draft, name: str) -> tuple[str, str] | None:
-    """Note mass times offset of what sits unevenly on a carrier."""
+    """Register mass times offset of the unbalance on a carrier."""
     if not is_unbalanced(draft, name):
         return None
     _, _, x, y = seated(draft.scene, name)
@@ -104,7 +104,7 @@ def static_moment(draft: Draft, name: str) -> tuple[str, str] | None:
 
 
 def mass_centre(draft: Draft, body: Body, mass: float) -> Body:
-    """Return the point of a body at which its weight acts: itself, or a point of its own where it is unbalanced."""
+    """Return the point of a body at which its weight acts: itself, or a separate point if it is unbalanced."""
     if not is_unbalanced(draft, body.name):
         return body
     place = tuple(
