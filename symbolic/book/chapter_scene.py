@@ -1,4 +1,4 @@
-"""Chapters on the scene itself: what it is, which effects act, how it moves, and its numbers with their sources."""
+"""Chapters on the scene: description, active effects, motion, and numbers with their sources."""
 
 from collections.abc import Iterator
 from typing import Any
