@@ -40,7 +40,6 @@ def stiffening_coupling() -> Element:
     twist, rate = one.theta - two.theta, one.omega - two.omega
     torque = K * twist + K3 * twist**3 + C * rate
     return Element(
-        name="stiffening_coupling",
         title="stiffening coupling",
         joins="coupling",
         ports=(one, two),
@@ -107,7 +106,7 @@ def wrong_coupling() -> Element:
     """Write the same element with a mistake."""
     right = stiffening_coupling()
     wrench = {at: load.subs(K3, -K3) for at, load in right.wrench.items()}
-    return replace(right, name="wrong_coupling", wrench=wrench)
+    return replace(right, wrench=wrench)
 
 
 try:

@@ -42,7 +42,7 @@ def name_places(expression: sp.Expr, model: Model) -> sp.Expr:
 
 def law_anchor(law: Law) -> str:
     """Return where a law is found."""
-    return "law-" + law.element.name.replace("_", "-").replace(" ", "-")
+    return "law-" + law.key.name.replace("_", "-")
 
 
 def _write_law(chapter: Chapter, law: Law, model: Model) -> None:

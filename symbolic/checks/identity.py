@@ -8,7 +8,7 @@ The paper's mesh law (eqs 7 and 23) is not a gradient: its difference is shown t
 and rolling angle, and to be of first order in the deviation from them.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -159,11 +159,15 @@ def relative_difference(element: Element, values: Mapping[str, float], size: flo
 def stage_identity(model: Model, stage: str, write: Writer = make) -> Check:
     """Prove that Lagrange's and Newton's equations of a whole stage are the same.
 
-    T, V and D are summed over the stage's bodies and elements in its global inertial coordinates, then
-    differentiated; Newton's equations come from the sums of wrenches.
+    T, V and D are summed over the stage's bodies and elements in its global inertial coordinates; Newton's equations
+    come from the sums of wrenches. An element type is differentiated once, in its own coordinates, and its derivatives
+    are renamed: that is the same as to differentiate the sum, and several times as fast.
     """
     bodies = {body.name: body for body in model.bodies if body.frame == stage}
-    placed = [Placed(i, write(i.element), bodies) for i in model.instances if set(i.bodies) <= set(bodies)]
+    within = [instance for instance in model.instances if set(instance.bodies) <= set(bodies)]
+    types = {key: write(key) for key in dict.fromkeys(instance.element for instance in within)}
+    energies = {key: forces(element) for key, element in types.items()}
+    placed = [Placed(i, types[i.element], energies[i.element]) for i in within]
     used = [item for item in placed if item.element.gradient]
     wrong = count = 0
     for body in bodies.values():
@@ -189,9 +193,9 @@ def global_port(body: str) -> Port:
 
 
 class Placed:
-    """An element instance written in the global coordinates of its stage."""
+    """An element instance in the global coordinates of its stage: what acts on its bodies, by energies and by hand."""
 
-    def __init__(self, instance: Instance, element: Element, bodies: Iterable[str]) -> None:
+    def __init__(self, instance: Instance, element: Element, energies: Sequence[sp.Expr]) -> None:
         self.element = element
         self.ports = {name: global_port(name) for name in instance.bodies}
         there = dict(zip(element.ports, self.ports.values(), strict=True))
@@ -203,14 +207,17 @@ class Placed:
             name = instance.bind[symbol.name]
             name = f"{name}[{instance.name}]" if name.startswith("@") else name
             rename[symbol] = sp.Symbol(name, **symbol.assumptions0)
-        self.potential = element.potential.xreplace(rename)
-        self.dissipation = element.dissipation.xreplace(rename)
-        self.wrench = {(there[port], axis): load.xreplace(rename) for (port, axis), load in element.wrench.items()}
+        freedoms = [(there[port], axis) for port, axis in element.freedoms]
+        self.energies, self.wrench = (
+            dict(zip(freedoms, (load.xreplace(rename) for load in loads), strict=True))
+            for loads in (energies, element.loads)
+        )
         self.squares = {rename[s]: e.xreplace(rename) for s, e in known_squares(element).items()}
 
-    def force(self, body: str, axis: Axis) -> sp.Expr:
-        """Return the wrench's component on a body."""
-        return self.wrench.get((self.ports[body], axis), sp.S.Zero)
+    def difference(self, body: str, axis: Axis) -> sp.Expr:
+        """Return what acts on a body by the wrench, less what acts by the energies."""
+        at = self.ports[body], axis
+        return self.wrench.get(at, sp.S.Zero) - self.energies.get(at, sp.S.Zero)
 
 
 def balance_vanishes(body: Body, axis: Axis, placed: Sequence[Placed]) -> bool:
@@ -220,14 +227,11 @@ def balance_vanishes(body: Body, axis: Axis, placed: Sequence[Placed]) -> bool:
     inertia = positive("I" if axis.rotation else "m")
     kinetic = positive("m") * (port.vx**2 + port.vy**2) / 2 + positive("I") * port.omega**2 / 2
     there = [item for item in placed if body.name in item.ports]
-    potential = sp.Add(*(item.potential for item in there))
-    dissipation = sp.Add(*(item.dissipation for item in there))
     momentum = sp.diff(kinetic, v)
-    lagrange = sp.diff(momentum, v) * a + sp.diff(momentum, q) * v - sp.diff(kinetic, q)
-    lagrange += sp.diff(potential, q) + sp.diff(dissipation, v)
-    newton = inertia * a - sp.Add(*(item.force(body.name, axis) for item in there))
+    by_energy = sp.diff(momentum, v) * a + sp.diff(momentum, q) * v - sp.diff(kinetic, q)
+    total = by_energy - inertia * a + sp.Add(*(item.difference(body.name, axis) for item in there))
     squares = {symbol: square for item in there for symbol, square in item.squares.items()}
-    return sum_vanishes(lagrange - newton, body.name, there, squares)
+    return sum_vanishes(total, body.name, there, squares)
 
 
 def sum_vanishes(total: sp.Expr, body: str, placed: Sequence[Placed], squares: Mapping[sp.Symbol, sp.Expr]) -> bool:

@@ -111,8 +111,6 @@ class Element:
 
     Attributes
     ----------
-    name
-        Type name, unique for a structure (not for an instance).
     title
         Name in the field, without options.
     joins
@@ -137,7 +135,6 @@ class Element:
         False if an unwritten reaction acts on the housing, so that the ports alone are not in balance.
     """
 
-    name: str
     title: str
     joins: str
     ports: tuple[Port, ...]

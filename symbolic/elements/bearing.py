@@ -42,7 +42,6 @@ def pin(damped: bool) -> Element:
     fx, fy = K * ux + c * vx, K * uy + c * vy
     torque = ax * K * uy - ay * K * ux + c * (rx * vy - ry * vx)
     return Element(
-        name="pin" + "_damped" * damped,
         title="planet bearing",
         joins="pin",
         ports=(CARRIER, PLANET),
@@ -58,17 +57,16 @@ def pin(damped: bool) -> Element:
 @element_type
 def pin_friction() -> Element:
     """Write the friction torque of the planet bearing, eq 30 with the sign of the speed corrected to be dissipative."""
-    return rubbing_pin("pin_friction", "planet bearing friction", K, {K: "N/m", X0: "m", Y0: "m"})
+    return rubbing_pin("planet bearing friction", K, {K: "N/m", X0: "m", Y0: "m"})
 
 
-def rubbing_pin(name: str, title: str, k: sp.Expr, parameters: Mapping[sp.Symbol, str]) -> Element:
+def rubbing_pin(title: str, k: sp.Expr, parameters: Mapping[sp.Symbol, str]) -> Element:
     """Write the friction torque of a planet bearing whose force is k times its displacement."""
     ux, uy = pin_deflection()
     load = sp.sqrt((k * ux) ** 2 + (k * uy) ** 2 + EPS**2)
     speed = PLANET.omega - CARRIER.omega
     torque = -(MU * load * DB / 2 * sp.tanh(speed / OMEGA0) + CR * speed)
     return Element(
-        name=name,
         title=title,
         joins="pin",
         ports=(CARRIER, PLANET),
@@ -89,7 +87,6 @@ def ground_bearing(damped: bool) -> Element:
     c = C if damped else sp.S.Zero
     fx, fy = -K * ux - c * body.vx, -K * uy - c * body.vy
     return Element(
-        name="ground_bearing" + "_damped" * damped,
         title="housing bearing",
         joins="bearing",
         ports=(body,),

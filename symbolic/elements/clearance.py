@@ -72,7 +72,6 @@ def ground_clearance(damped: bool) -> Element:
     k, c = race.secant, race.damping(damped)
     fx, fy = -k * race.ux - c * body.vx, -k * race.uy - c * body.vy
     return Element(
-        name="ground_clearance" + "_damped" * damped,
         title="housing bearing with clearance",
         joins="bearing",
         ports=(body,),
@@ -101,7 +100,6 @@ def pin_clearance(damped: bool) -> Element:
     fx, fy = k * race.ux + c * vx, k * race.uy + c * vy
     torque = ax * k * race.uy - ay * k * race.ux + c * (rx * vy - ry * vx)
     return Element(
-        name="pin_clearance" + "_damped" * damped,
         title="planet bearing with clearance",
         joins="pin",
         ports=(CARRIER, PLANET),
@@ -122,4 +120,4 @@ def pin_clearance(damped: bool) -> Element:
 def pin_clearance_friction() -> Element:
     """Write the friction torque of the planet bearing with clearance, from its load."""
     title = "friction of the planet bearing with clearance"
-    return rubbing_pin("pin_clearance_friction", title, Race(*pin_deflection()).secant, parameters(False))
+    return rubbing_pin(title, Race(*pin_deflection()).secant, parameters(False))

@@ -16,7 +16,6 @@ def gravity() -> Element:
     cos, sin = sp.cos(BASIS), sp.sin(BASIS)
     gx, gy = GX * cos + GY * sin, GY * cos - GX * sin
     return Element(
-        name="gravity",
         title="weight",
         joins="",
         ports=(body,),

@@ -3,6 +3,7 @@
 Nothing here needs SymPy: a model is assembled from keys, and laws are written only when C is derived.
 """
 
+import re
 from dataclasses import dataclass
 
 Option = str | bool
@@ -30,6 +31,12 @@ class ElementKey:
     def of(cls, type_: str, **options: Option) -> "ElementKey":
         """Make the key of a law with options, all axes live."""
         return cls(type_, tuple(sorted(options.items())))
+
+    @property
+    def name(self) -> str:
+        """Return a name of letters, digits and single underscores that tells type and options."""
+        told = [option if value is True else value for option, value in self.options if value]
+        return "_".join(re.findall(r"[A-Za-z0-9]+", " ".join(map(str, [self.type, *told]))))
 
     def __getitem__(self, option: str) -> Option:
         """Return the value of an option."""

@@ -203,10 +203,7 @@ def mesh(
     acting = normal_force(delta, rate, k, damped, contact)
     turn = acting.stored * SLOPE * TEETH / (2 * sp.pi) if followed else sp.S.Zero
     wrench = {at: acting.force * pressed + turn * written.rolled[at] for at, pressed in written.pressed.items()}
-    suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
-    suffix += "_error" * error + "_followed" * followed
     return Element(
-        name=f"mesh_{kind}_{law}" + "_switched" * switched + "_damped" * damped + suffix,
         title="mesh",
         joins="mesh",
         ports=written.ports,

@@ -54,9 +54,7 @@ def mesh_friction(kind: str, law: str, switched: bool, contact: str = "bilateral
     wrench = load_on(ONE, -force * mx, -force * my, g.sigma * R1 * arm) | load_on(TWO, force * mx, force * my, R2 * arm)
     free = set().union(*(e.free_symbols for e in wrench.values()))
     units = UNITS | {MU: "", CT: "N*s/m", V0: "m/s"}
-    suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
     return Element(
-        name=f"mesh_friction_{kind}_{law}" + "_switched" * switched + suffix + "_error" * error,
         title="mesh friction",
         joins="mesh",
         ports=(ONE, TWO),

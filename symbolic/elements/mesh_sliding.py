@@ -40,9 +40,7 @@ def mesh_sliding(kind: str, law: str, switched: bool, contact: str = "bilateral"
     wrench = load_on(ONE, -force * mx, -force * my, torque_1) | load_on(TWO, force * mx, force * my, torque_2)
     free = set().union(*(e.free_symbols for e in wrench.values()))
     units = UNITS | {MU: "", V0: "m/s"} | PAIR_UNITS
-    suffix = {"bilateral": "", "one-flank": "_one_flank", "gap": "_gap"}[contact]
     return Element(
-        name=f"mesh_sliding_{kind}_{law}" + "_switched" * switched + suffix + "_error" * error,
         title="mesh sliding friction",
         joins="mesh",
         ports=(ONE, TWO),

@@ -19,7 +19,6 @@ def rayleigh(motion: str) -> Element:
     body, zero = Port.numbered(1), sp.S.Zero
     m, inertia = (M if motion in (SHIFTING, BOTH) else zero), (I if motion in (TURNING, BOTH) else zero)
     return Element(
-        name="rayleigh_" + motion.replace(" ", "_"),
         title="Rayleigh damping by mass",
         joins="",
         ports=(body,),

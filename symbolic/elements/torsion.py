@@ -18,7 +18,6 @@ def coupling(damped: bool) -> Element:
     c = C if damped else sp.S.Zero
     torque = K * twist + c * rate
     return Element(
-        name="coupling" + "_damped" * damped,
         title="shaft coupling",
         joins="coupling",
         ports=(ONE, TWO),
@@ -37,7 +36,6 @@ def torsional_support(damped: bool) -> Element:
     c = C if damped else sp.S.Zero
     torque = -K * ONE.theta - c * ONE.omega
     return Element(
-        name="torsional_support" + "_damped" * damped,
         title="torsional support",
         joins="support",
         ports=(ONE,),
@@ -56,7 +54,6 @@ def drag() -> Element:
     """Write the rotational viscous damping of a member, the c_B terms of eqs 31-34."""
     torque = -C * ONE.omega
     return Element(
-        name="drag",
         title="rotor drag",
         joins="",
         ports=(ONE,),
@@ -73,7 +70,6 @@ def drag() -> Element:
 def external_torque() -> Element:
     """Write an external torque, T in eqs 31-38."""
     return Element(
-        name="external_torque",
         title="load torque",
         joins="load",
         ports=(ONE,),
@@ -102,7 +98,6 @@ def slip_torque() -> Element:
     z = (ONE.omega - OMEGA_S) / OMEGA_B
     torque = -2 * T_B * z / (1 + z**2)
     return Element(
-        name="slip_torque",
         title="slip law",
         joins="load",
         ports=(ONE,),

@@ -145,7 +145,7 @@ def element_function(key: ElementKey, derivation: str) -> ca.Function:
     force_, (potential, lost, *rest) = _split(lower([*force, written.potential, loss, *reports], leaves), len(force))
     names = [f"out_{name}" for name in written.outputs]
     return ca.Function(
-        f"{written.name}_{derivation}", list(leaves.values()), [ca.vertcat(*force_), potential, lost, *rest],
+        f"{key.name}_{derivation}", list(leaves.values()), [ca.vertcat(*force_), potential, lost, *rest],
         [symbol.name for symbol in leaves], ["force", "potential", "loss", *names],
     )  # fmt: skip
 
