@@ -49,7 +49,7 @@ def write_scene(chapter: Chapter, scene: Scene, model: Model) -> None:
 
 
 def _plain(value: float | None) -> str:
-    """Write a number; nothing for what is not known."""
+    """Write a number; empty if unknown."""
     return "" if value is None else f"{value + 0.0:.6g}"
 
 
@@ -91,6 +91,6 @@ def _shortened(text: str) -> str:
 
 
 def _source(sources: dict[str, str], key: str) -> str:
-    """Return where a number comes from: its own source, or that of the table it stands in."""
+    """Return the source of a number: its own, or that of its table."""
     parts = key.split(".")
     return next((s for i in range(len(parts), 0, -1) if (s := sources.get(".".join(parts[:i])))), "given by the scene")

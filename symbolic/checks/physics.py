@@ -112,7 +112,7 @@ class ElementBench:
         return {name: np.hstack([np.asarray(one[name]).reshape(-1, 1) for one in found]) for name in found[0]}
 
     def on_bodies(self, rows: Array) -> list[Array]:
-        """Return, for each axis of the plane, the rows of all bodies out of those of all freedoms, zeros included."""
+        """Return, for each axis of the plane, the rows of all bodies from those of all ports, zeros included."""
         known = dict(zip(self.element.freedoms, rows, strict=False))
         nothing = np.zeros(STATES)
         return [np.array([known.get((port, axis), nothing) for port in self.element.ports]) for axis in PLANE]

@@ -78,7 +78,7 @@ class Body:
 
     @property
     def lateral(self) -> bool:
-        """Tell whether it can move sideways."""
+        """Tell whether it has lateral degrees of freedom."""
         return any(not DEVIATIONS[letter].rotation for letter in self.freedoms)
 
 
@@ -126,7 +126,8 @@ class Level:
 class Phase:
     """The phase tau = rate * phi + start [cycles] of a mesh by the rigid motion.
 
-    Gear 1's own phase is rate * phi + ``rolled`` + ``teeth`` / 2 pi times its rolling angle against the rigid motion.
+    Gear 1's own phase is rate * phi + ``rolled`` + ``teeth`` / 2 pi times its rolling angle relative to the rigid
+    motion.
 
     Attributes
     ----------
