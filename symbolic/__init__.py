@@ -1,6 +1,6 @@
-"""Symbolic side: scenes become equations of motion (SymPy), and these C text (CasADi).
+"""Symbolic side: from scenes to equations of motion (SymPy), and from these to C (CasADi).
 
-Public names load their modules on first use, so that reading a scene needs neither SymPy nor CasADi.
+Public names load their modules on first use: reading a scene imports neither SymPy nor CasADi.
 """
 
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""Assembly of the model: bodies and elements that the scene's effects call for (Scene -> Model)."""
+"""Assembly of the model: bodies and elements for the scene's effects (Scene -> Model)."""
 
 from math import cos, sin
 
@@ -18,7 +18,7 @@ from .rigid import find_leaders, in_plane, pin_places, rigid_pins
 
 
 def build_model(scene: Scene) -> Model:
-    """Put the model of a scene together.
+    """Assemble the model of a scene.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def build_model(scene: Scene) -> Model:
 
 
 def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
-    """Add a planetary stage in the frame that turns with its carrier."""
+    """Add a planetary stage in the frame that rotates with its carrier."""
     turns = stage.carrier.support != "fixed" and draft.rigid.ratios[f"{name}.carrier"] != 0.0
     draft.frames[name] = f"{name}.carrier.speed_ratio" if turns else None
     for part in ("carrier", "ring", "sun"):
@@ -82,7 +82,7 @@ def _planetary(draft: Draft, name: str, stage: Planetary) -> None:
 
 
 def _place(draft: Draft, name: str, x: float, y: float) -> tuple[str, str]:
-    """Note a place [m] and return its parameters."""
+    """Register a position [m] and return its parameters."""
     return draft.number(f"{name}.x_0", x, "m", GEOMETRY), draft.number(f"{name}.y_0", y, "m", GEOMETRY)
 
 

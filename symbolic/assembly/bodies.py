@@ -17,7 +17,7 @@ from .rigid import seated, turning_of
 def add_member(
     draft: Draft, name: str, member: Member | Rotor, frame: str, place: tuple[str, str] | None = None
 ) -> None:
-    """Add a body that is not a planet, with what ties it to the housing."""
+    """Add a body that is not a planet, with its connections to the housing."""
     sideways = draft.on("lateral") and isinstance(member, Member) and member.support in ("bearing", "floating")
     add_body(draft, name, name, member, sideways, frame, place)
     if sideways and isinstance(member, Member) and member.bearing is not None:
@@ -56,7 +56,7 @@ def add_body(
 def _damper(
     draft: Draft, key: str, item: Bearing | TorsionalSupport | Coupling, inertia: float, unit: str
 ) -> str | None:
-    """Note the damper that goes with a spring: given, 2 zeta sqrt(k m), or Rayleigh's; None where there is none."""
+    """Register the damper of a spring: given, 2 zeta sqrt(k m), or Rayleigh's; None if there is none."""
     factors = draft.rayleigh
     if factors is not None and factors.stiffness:
         return draft.number(f"{key}.damping", factors.stiffness * item.stiffness, unit)
@@ -69,7 +69,7 @@ def _damper(
 
 
 def _origin(draft: Draft, place: tuple[str, str] | None) -> dict[str, str]:
-    """Bind x_0, y_0 of a bearing: the body's place, or the shared zero of a centred one."""
+    """Bind x_0, y_0 of a bearing: the body's position, or the shared zero of a centred one."""
     x, y = place or (draft.number("origin", 0.0, "m", CONSTANT),) * 2
     return {"x_0": x, "y_0": y}
 
@@ -87,7 +87,7 @@ def _ground_bearing(draft: Draft, name: str, bearing: Bearing, mass: float, plac
 
 
 def _clearance(draft: Draft, label: str, key: str, bearing: Bearing) -> dict[str, str]:
-    """Bind the clearance of a bearing, nothing where it has none."""
+    """Bind the clearance of a bearing, if it has one."""
     if not draft.on("bearing_clearance") or bearing.clearance is None:
         return {}
     return {
@@ -109,7 +109,7 @@ def _torsional_support(draft: Draft, name: str, support: TorsionalSupport, inert
 
 
 def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:
-    """Add a torsional coupling; a rigid one is no element, its ends share one angle."""
+    """Add a torsional coupling; a rigid one has no element, its ends share one angle."""
     one, two = coupling.between
     if draft.scene.effects["torsional_shafts"] == "rigid":
         return
@@ -149,7 +149,7 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
 
 
 def add_gravity(draft: Draft) -> None:
-    """Add the weight of every body that can move sideways."""
+    """Add the weight of every body with lateral motion."""
     for body in list(draft.bodies):
         if body.lateral and body.mass is not None:
             _weigh(draft, body, body.mass)

@@ -1,4 +1,4 @@
-"""Draft of the model while it is assembled; the only value of the pipeline that changes."""
+"""Draft of the model during assembly; the only mutable value of the pipeline."""
 
 from dataclasses import dataclass, field, replace
 
@@ -15,10 +15,10 @@ from ..schema.series import Pairs
 
 @dataclass
 class MeshPlace:
-    """One mesh on its way into the model: names (of all equal ones, and its own), gears, and what its law needs.
+    """Draft of one mesh: names (of all equal meshes, and its own), gears, and the data of its law.
 
-    ``ahead`` is the angle [rad] from planet 1 to the mesh's own. ``in_plane`` tells that the law knows the gears'
-    places, ``backwards`` that the contact moves away from the tip of gear 1, ``switched`` that a level is needed.
+    ``ahead`` is the angle [rad] from planet 1 to the mesh's own. ``in_plane`` means that the law uses the gears'
+    positions, ``backwards`` that the contact moves away from the tip of gear 1, ``switched`` that a level is needed.
     """
 
     name: str
@@ -37,13 +37,13 @@ class MeshPlace:
 
     @property
     def geometry(self) -> tuple[Planetary | Pair, Mesh, Gear, Gear, int]:
-        """Return what the functions of ``mesh_stiffness`` ask for."""
+        """Return the arguments of the functions of ``mesh_stiffness``."""
         return self.stage, self.mesh, *self.wheels, self.sigma
 
 
 @dataclass
 class Draft:
-    """The model while it is being put together (the only mutable value of the pipeline)."""
+    """The model during assembly (the only mutable value of the pipeline)."""
 
     scene: Scene
     rigid: RigidMotion
@@ -61,33 +61,33 @@ class Draft:
     clocks: list[Clock] = field(default_factory=list)
 
     def number(self, name: str, value: float, unit: str, role: str = PHYSICAL) -> str:
-        """Note a parameter and return its name."""
+        """Register a parameter and return its name."""
         self.parameters[name] = Parameter(name, float(value), unit, role)
         return name
 
     def hold(self, border: str, unit: str) -> str:
-        """Note what holds the regime on one side of a border."""
+        """Register the parameter that holds the regime on one side of a border."""
         return self.number(HOLD + border, 0.0, unit, REGIME)
 
     def signal(self, name: str, unit: str, table: str, pairs: Pairs, slope: bool = False) -> str:
-        """Note a load signal with the table it is read from, and return its name."""
+        """Register a load signal with its table, and return its name."""
         self.signals[name] = Signal(name, unit, table, slope)
         self.tables[table] = pairs
         return name
 
     def turn(self, name: str, ratio: str | None, frame: str | None = None) -> None:
-        """Note the angle from which something turns for ever, where it does: once for all that turn alike."""
+        """Register the initial angle of a continuous rotation, once for all equal rotations."""
         known = {(clock.ratio, clock.frame) for clock in self.clocks if not clock.mesh}
         if ratio != frame and (ratio or "", frame or "") not in known:
             start = self.number(f"{name}.start_angle", 0.0, "rad", GEOMETRY)
             self.clocks.append(Clock(start, "", ratio or "", frame or ""))
 
     def place(self, name: str, element: ElementKey, bodies: tuple[str, ...], family: str = "", **bind: str) -> None:
-        """Note an element instance, of a family where it connects bodies."""
+        """Register an element instance, with a family if it connects bodies."""
         self.instances.append(Instance(name, element, bodies, bind, family))
 
     def placed(self) -> tuple[Instance, ...]:
-        """Return the element instances, their keys with the axes on which the bodies of this model are not at zero."""
+        """Return the element instances, with the live axes of this model's bodies in their keys."""
         sideways = any(body.lateral or body.place for body in self.bodies)
         live = tuple(axis.name for axis in PLANE if axis.rotation or sideways)
         return tuple(

@@ -58,13 +58,13 @@ def add_mesh(draft: Draft, at: MeshPlace) -> None:
 
 
 def _relative(draft: Draft, at: MeshPlace) -> float:
-    """Return the speed of gear 1 against the line of centres, over the reference speed."""
+    """Return the speed of gear 1 relative to the line of centres, over the reference speed."""
     stage = at.name.split(".")[0]
     return draft.rigid.ratios[at.members[0]] - draft.rigid.ratios.get(f"{stage}.carrier", 0.0)
 
 
 def _in_plane(draft: Draft, at: MeshPlace, geometry: gear_geometry.MeshGeometry, law: str) -> dict[str, str]:
-    """Bind the line of centres and what the law measures deflections from."""
+    """Bind the line of centres and the reference of deflections."""
     bind = {
         "e_x": draft.number(f"{at.label}.e_x", cos(at.direction), "", GEOMETRY),
         "e_y": draft.number(f"{at.label}.e_y", sin(at.direction), "", GEOMETRY),
@@ -78,7 +78,7 @@ def _in_plane(draft: Draft, at: MeshPlace, geometry: gear_geometry.MeshGeometry,
 
 
 def _teeth(draft: Draft, at: MeshPlace) -> tuple[str, ...]:
-    """Return the bodies that carry the teeth: the gears, or points beside the axes of eccentric ones."""
+    """Return the bodies that carry the teeth: the gears, or the tooth centres of eccentric ones."""
     return tuple(
         member if item is None or not draft.on("eccentricity") else _eccentric(draft, member, item)
         for member, item in zip(at.members, _eccentricities(at), strict=True)
@@ -115,7 +115,7 @@ def _eccentric(draft: Draft, member: str, item: Eccentricity) -> str:
 def _contact(
     draft: Draft, at: MeshPlace, bodies: tuple[str, ...], options: Mapping[str, Option], bind: dict[str, str]
 ) -> None:
-    """Place a mesh: bilateral, on one flank, or on both flanks with a gap before the one not loaded."""
+    """Add a mesh: bilateral, on one flank, or on both flanks with a gap at the unloaded one."""
     contact = draft.scene.effects["contact"]
     if contact == "bilateral":
         draft.place(at.label, ElementKey.of("mesh", contact="bilateral", **options), bodies, at.name, **bind)
@@ -150,10 +150,10 @@ def _mesh_damping(
 
 
 def _phase(draft: Draft, at: MeshPlace) -> None:
-    """Note the mesh phase: teeth of gear 1 that have passed the line of centres in the rigid motion (eqs 10-11).
+    """Register the mesh phase: teeth of gear 1 that have passed the line of centres in the rigid motion (eqs 10-11).
 
-    It counts up in the sense in which the gears turn at the start, so that every mesh begins with the
-    single contact of eq 9, shifted by its planet's place; ``teeth_1`` is negative where that is clockwise.
+    It increases in the initial direction of rotation, so that every mesh begins with the single contact of eq 9,
+    shifted by its planet's position; ``teeth_1`` is negative if gear 1 turns clockwise.
     """
     relative = _relative(draft, at)
     teeth = at.sense * (at.wheels[0].teeth or 0)
@@ -181,7 +181,7 @@ def _phase(draft: Draft, at: MeshPlace) -> None:
 
 
 def _clocks(draft: Draft, at: MeshPlace, teeth: str, starts: Iterable[str]) -> None:
-    """Note the clocks of a mesh: it has the period of a pitch, and that of a gear with single teeth out of place."""
+    """Register the clocks of a mesh: the period of a pitch, and that of a gear with single-tooth errors."""
     gear = next(body for body in draft.bodies if body.name == at.members[0])
     frame = draft.frames[gear.frame]
     single = (profile for profile in draft.profiles if (profile.mesh, profile.kind) == (at.label, "tooth"))

@@ -7,7 +7,7 @@ from .draft import Draft
 
 
 def add_reference(draft: Draft) -> None:
-    """Note the reference speed: a parameter, or the signals of a speed over time; none for a train at rest."""
+    """Register the reference speed: a parameter, or the signals of a speed over time; none for a train at rest."""
     leads = {load.member: name for name, load in draft.scene.loads.items() if load.holds}
     lead = leads.get(draft.rigid.member, "")
     pairs = draft.scene.loads[lead].speed_over_time if lead else None
@@ -19,7 +19,7 @@ def add_reference(draft: Draft) -> None:
 
 
 def add_load(draft: Draft, name: str, load: Load) -> None:
-    """Add the torque of a load; one that holds a speed is part of the motion, and no element."""
+    """Add the torque of a load; a prescribed speed is part of the motion, not an element."""
     key = f"loads.{name}"
     if load.slip is not None:
         slip = load.slip

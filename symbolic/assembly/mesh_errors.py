@@ -1,4 +1,4 @@
-"""Errors of a mesh: transmission error, errors of single teeth, misplaced pins."""
+"""Errors of a mesh: transmission error, single-tooth errors, pin position errors."""
 
 from collections.abc import Iterator
 from math import atan2, cos, sin, sqrt
@@ -13,7 +13,7 @@ from .rigid import pin_offset
 
 
 def bind_error(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> bool:
-    """Bind the error of a mesh, where it has any; a law in the plane knows itself where pins stand."""
+    """Bind the error of a mesh, if any; a law in the plane includes pin positions itself."""
     found = [*_transmission_error(draft, at), *_tooth_errors(draft, at)]
     if not at.in_plane:
         found += _misplaced(draft, at)
@@ -24,7 +24,7 @@ def bind_error(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> bool:
 
 
 def _transmission_error(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
-    """Note the harmonics of a transmission error: A cos(x + p) = A cos(p) cos(x) - A sin(p) sin(x)."""
+    """Register the harmonics of a transmission error: A cos(x + p) = A cos(p) cos(x) - A sin(p) sin(x)."""
     error = at.mesh.transmission_error
     if error is None or not draft.on("transmission_error"):
         return
@@ -35,7 +35,7 @@ def _transmission_error(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
 
 
 def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
-    """Note the teeth that lie out of place."""
+    """Register the teeth with spacing errors."""
     parts = ("input", "output") if at.name.endswith(".mesh") else tuple(at.name.split(".")[-1].split("_"))
     for number, item in enumerate(at.mesh.tooth_errors if draft.on("tooth_errors") else ()):
         if item.planet is not None and not at.label.endswith(f".{item.planet}"):
@@ -53,7 +53,7 @@ def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
 
 
 def pin_turn(draft: Draft, at: MeshPlace) -> float | None:
-    """Return by how much a pin out of place turns the line of centres [rad]; None in a stage without such pins."""
+    """Return the rotation of the line of centres by a pin position error [rad]; None in a stage without such errors."""
     if not (isinstance(at.stage, Planetary) and draft.on("planet_position_error") and at.stage.position_errors):
         return None
     radial, tangential = pin_offset(draft.scene, at.stage, int(at.label.rsplit(".", 1)[1]))
@@ -61,7 +61,7 @@ def pin_turn(draft: Draft, at: MeshPlace) -> float | None:
 
 
 def _misplaced(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
-    """Note by how much a pin out of place turns and opens a mesh whose gears only turn, by the involute's law."""
+    """Register how a pin position error turns and opens a mesh of gears that only rotate, by the involute law."""
     stage, turn = at.stage, pin_turn(draft, at)
     if turn is None or not isinstance(stage, Planetary):
         return

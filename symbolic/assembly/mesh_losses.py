@@ -16,9 +16,9 @@ def add_friction(draft: Draft, at: MeshPlace, bodies: tuple[str, ...], law: str,
     Parameters
     ----------
     draft, at
-        The model and the mesh, whose own elements are there already.
+        The model and the mesh, whose own elements exist already.
     bodies, law, place
-        What carries the teeth, the law by which their deflection is known from places, and what it needs.
+        Bodies that carry the teeth, the law of their deflection from positions, and its data.
     """
     friction = at.mesh.friction
     assert friction is not None
@@ -41,7 +41,7 @@ def add_friction(draft: Draft, at: MeshPlace, bodies: tuple[str, ...], law: str,
 
 
 def _contacts(draft: Draft, at: MeshPlace) -> dict[str, str]:
-    """Bind where the teeth touch: phase, share of single contact, middle of the path, teeth of gear 1."""
+    """Bind the contact positions: phase, share of single contact, middle of the path, teeth of gear 1."""
     lowest, highest = gear_geometry.path_of_contact(at.stage, *at.wheels, at.sigma)
     return {
         "tau": PHASE,

@@ -5,7 +5,7 @@ from .draft import Draft
 
 
 def add_rayleigh(draft: Draft) -> None:
-    """Add the mass-proportional part to every body that has a freedom of its own."""
+    """Add the mass-proportional part to every body with its own degrees of freedom."""
     factors = draft.rayleigh
     if factors is None or not factors.mass:
         return

@@ -8,7 +8,7 @@ from ..schema.scene_schema import Member, Planetary, PositionError, Rotor, Scene
 
 
 def turning_of(scene: Scene, rigid: RigidMotion, name: str, member: Member | Rotor) -> str:
-    """Say how the angle of a member that turns on its own is described."""
+    """Return the description of the angle of a member without a leader."""
     if is_fixed(member):
         return "held"
     if any(load.member == name and load.holds for load in scene.loads.values()):
@@ -17,7 +17,7 @@ def turning_of(scene: Scene, rigid: RigidMotion, name: str, member: Member | Rot
 
 
 def find_leaders(scene: Scene, rigid: RigidMotion) -> dict[str, str]:
-    """Return member -> the member whose angle it shares, for all that rigid shafts join to another."""
+    """Return member -> its leader, whose angle it shares, for all members joined by rigid shafts."""
     if scene.effects["torsional_shafts"] == "flexible":
         return {}
     everyone = members(scene)
@@ -32,18 +32,18 @@ def find_leaders(scene: Scene, rigid: RigidMotion) -> dict[str, str]:
 
 
 def rigid_pins(scene: Scene) -> bool:
-    """Tell whether planets sit rigidly on their carriers; without lateral freedom nothing else is left."""
+    """Tell whether planets sit rigidly on their carriers; without lateral motion they always do."""
     return scene.effects["pins"] == "rigid" or scene.effects["lateral"] == "off"
 
 
 def in_plane(scene: Scene) -> bool:
-    """Tell whether the places of gears matter: not, where nothing moves sideways and meshes need angles only."""
+    """Tell whether positions of gears matter; without lateral motion meshes need angles only."""
     effects = scene.effects
     return effects["lateral"] == "on" or effects["mesh_friction"] != "off" or effects["eccentricity"] == "on"
 
 
 def pin_offset(scene: Scene, stage: Planetary, number: int) -> tuple[float, float]:
-    """Return how far a pin lies from its nominal place [m], outwards and along the pin circle."""
+    """Return the position error of a pin [m], outwards and along the pin circle."""
     if scene.effects["planet_position_error"] == "off":
         return 0.0, 0.0
     error = next((e for e in stage.position_errors if e.planet == number), PositionError(planet=number))
@@ -51,7 +51,7 @@ def pin_offset(scene: Scene, stage: Planetary, number: int) -> tuple[float, floa
 
 
 def pin_places(scene: Scene, stage: Planetary) -> list[tuple[float, float]]:
-    """Return where the pins are [m], at angle zero of the carrier."""
+    """Return the positions of the pins [m], at angle zero of the carrier."""
     distance, places = gear_geometry.stage_distance(stage), []
     for number, angle in enumerate(planet_angles(stage), start=1):
         radial, tangential = pin_offset(scene, stage, number)
@@ -62,7 +62,7 @@ def pin_places(scene: Scene, stage: Planetary) -> list[tuple[float, float]]:
 
 
 def seated(scene: Scene, name: str) -> tuple[float, float, float, float]:
-    """Return what the planets on a carrier's rigid pins add: mass, inertia, and mass times offset [kg m]."""
+    """Return the contribution of planets on a carrier's rigid pins: mass, inertia, and mass times offset [kg m]."""
     stage = scene.stages.get(name.split(".")[0])
     if not (isinstance(stage, Planetary) and name.endswith(".carrier") and rigid_pins(scene)):
         return 0.0, 0.0, 0.0, 0.0

@@ -47,7 +47,7 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
 
 
 def _levels(draft: Draft, at: MeshPlace, single: float, double: float, share: float) -> tuple[str, str, str]:
-    """Note the two levels of eq 9 and the share of single contact."""
+    """Register the two levels of eq 9 and the share of single contact."""
     return (
         draft.number(f"{at.name}.stiffness_single", single, "N/m"),
         draft.number(f"{at.name}.stiffness_double", double, "N/m"),
@@ -56,7 +56,7 @@ def _levels(draft: Draft, at: MeshPlace, single: float, double: float, share: fl
 
 
 def _follow(draft: Draft, at: MeshPlace, kind: str, numbers: tuple[str, ...], bind: dict[str, str]) -> None:
-    """Bind a stiffness that varies with the mesh phase, or with gear 1's own rolling where its torque is asked for."""
+    """Bind a stiffness that varies with the mesh phase, or with gear 1's own rolling under ``stiffness_torque``."""
     draft.profiles.append(Profile(at.label, "stiffness", kind, numbers))
     bind["k"] = STIFFNESS
     if draft.on("stiffness_torque") and kind != "arcs":

@@ -1,1 +1,1 @@
-"""Equation book: the equations of a scene, typeset from the symbols of which its C is made."""
+"""Equation book: the equations of a scene, typeset from the symbols of its C."""

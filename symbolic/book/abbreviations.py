@@ -1,7 +1,7 @@
-"""Abbreviations: intermediate quantities of an element's law, in the order in which it computes them.
+"""Abbreviations: intermediate quantities of an element's law, in computing order.
 
-They are made by the functions that the elements themselves are written with, so that they are found in the
-elements' expressions as they stand; what is not found is left out.
+They come from the same functions as the elements, so they occur literally in the elements' expressions; those that do
+not occur are left out.
 """
 
 from collections.abc import Callable, Iterator
@@ -33,7 +33,7 @@ def list_steps(key: ElementKey, element: Element) -> list[NamedStep]:
 
 
 def _named(name: str, raw: sp.Expr) -> NamedStep:
-    """Name a quantity; one that is never negative says so, so that its square's root is itself."""
+    """Name a quantity; nonnegative quantities are declared so, so that sqrt(x^2) = x."""
     value = sp.sympify(raw)
     if value.is_nonnegative:
         return NamedStep(sp.Symbol(name, nonnegative=True), value)
@@ -87,7 +87,7 @@ def _mesh(key: ElementKey, element: Element) -> Iterator[NamedStep]:
 
 
 def _without(delta: sp.Expr, contact: str | bool, error: str | bool) -> sp.Expr:
-    """Take gap and error from a deflection."""
+    """Subtract gap and error from a deflection."""
     return delta - (GAP if contact == "gap" else 0) - (ERROR if error else 0)
 
 
@@ -108,7 +108,7 @@ def _friction(key: ElementKey, element: Element) -> Iterator[NamedStep]:
 
 
 def _rubbed(key: ElementKey, element: Element) -> Iterator[NamedStep]:
-    """Name what presses and slides at a mesh with friction."""
+    """Name the normal force and sliding speed of a mesh with friction."""
     kind, law, contact, error = (key[option] for option in ("kind", "law", "contact", "error"))
     g = geometry(str(kind))
     yield from _triangle(g)

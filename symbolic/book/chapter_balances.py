@@ -1,4 +1,4 @@
-"""Chapter on the equations of motion: the law of a body, what acts on each, and small scenes written out."""
+"""Chapter on the equations of motion: the law of a body, the loads on each, and small scenes written out."""
 
 import sympy as sp
 
@@ -11,7 +11,7 @@ from .model_equations import Assignment, PrintedEquations, assemble, list_terms
 from .notation import break_sum, fill_lines, put_signs, typeset, write_name
 
 SMALL = 6
-"""Freedoms up to which a scene's equations are written out."""
+"""Largest number of degrees of freedom for which equations are written out."""
 
 
 def write_balances(chapter: Chapter, model: Model) -> None:
@@ -50,7 +50,7 @@ def _body_law(chapter: Chapter, model: Model) -> None:
 
 
 def _sums(chapter: Chapter, model: Model) -> None:
-    """Write for every body what acts on it."""
+    """Write the loads on every body."""
     chapter.head("What acts on each body", "sums")
     chapter.say(
         Maths(r"\mathbf{W}_{j}^{(n)}"), " is the wrench, force and torque, of element n on its body j; the law of the "
@@ -65,7 +65,7 @@ def _sums(chapter: Chapter, model: Model) -> None:
 
 
 def _described(body: Body) -> tuple[Part, ...]:
-    """Say in what a body moves, and which numbers are its inertia."""
+    """Describe a body's frame and inertia parameters."""
     moves = list(body.freedoms)
     words = f"{body.name} moves in {', '.join(moves)}" if moves else f"{body.name}: {_held(body)}"
     numbers = [name for name in (body.mass, body.inertia) if name is not None]
@@ -81,7 +81,7 @@ def _held(body: Body) -> str:
 
 
 def _joints(chapter: Chapter, model: Model) -> None:
-    """Write how rigid joints hand on forces."""
+    """Write the transfer of forces through rigid joints."""
     seated = [body for body in model.bodies if body.seat is not None]
     led = [body for body in model.bodies if body.leader is not None]
     if seated:
@@ -103,7 +103,7 @@ def _joints(chapter: Chapter, model: Model) -> None:
 
 
 def _offset(chapter: Chapter) -> None:
-    """Write the laws of a body whose centre of mass lies beside its centre."""
+    """Write the laws of a body with an offset centre of mass."""
     fx, fy, sx, sy, m, inertia = map(real, ("F_x", "F_y", "s_x", "s_y", "m", "I"))
     turn, turn_d = real("Omega"), real("Omega_d")
     chapter.head("Centre of mass beside the centre", "offset")
@@ -146,5 +146,5 @@ def _needed(assembly: PrintedEquations) -> list[Assignment]:
 
 
 def _owner(item: Assignment, model: Model) -> str:
-    """Say whose quantity it is."""
+    """Return the owner of a quantity, in words."""
     return f"element {item.owner}, {model.instances[int(item.owner) - 1].name}" if item.owner.isdigit() else item.owner

@@ -1,4 +1,4 @@
-"""Chapters on what was checked: the scene's equations, the paper's printed ones, and what ties the book to the C."""
+"""Chapters on checks: the scene's equations, the paper's printed ones, and the identity of book and C."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -50,7 +50,7 @@ def write_paper(chapter: Chapter, rows: Sequence[PrintedRow]) -> None:
 
 
 def write_identity(chapter: Chapter, identity: dict[str, str]) -> None:
-    """Write what ties the book to the C."""
+    """Write the identity of book and C."""
     chapter.say(
         "The C of this scene is kept under the key, which is made of the model's structure, the source text of the "
         "equations and the versions at work; the digest is that of the C itself. The same key gives the same equations."

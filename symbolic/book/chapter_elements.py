@@ -1,4 +1,4 @@
-"""Chapters on which element sits where, and on what meshes and loads do over time."""
+"""Chapters on element instances, and on meshes and loads over time."""
 
 import re
 from collections.abc import Iterator
@@ -39,7 +39,7 @@ def _grouped(model: Model) -> Iterator[tuple[range, list[Instance]]]:
 
 
 def _stride(numbers: list[int]) -> int:
-    """Return by how much the numbers of a run go on."""
+    """Return the increment of the numbers of a run."""
     return numbers[1] - numbers[0] if len(numbers) > 1 else 1
 
 
@@ -50,7 +50,7 @@ def _general(name: str) -> str:
 
 
 def _bound(instance: Instance) -> tuple[tuple[str, str], ...]:
-    """Return what an element's parameters are bound to, with i for numbers of planets."""
+    """Return the bindings of an element's parameters, with i for numbers of planets."""
     return tuple((key, _general(name)) for key, name in instance.bind.items())
 
 

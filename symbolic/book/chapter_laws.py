@@ -33,7 +33,7 @@ def write_laws(chapter: Chapter, model: Model) -> None:
 
 
 def name_places(expression: sp.Expr, model: Model) -> sp.Expr:
-    """Write a body's place in its frame as X and Y, and leave out turns that a model does not know."""
+    """Write a body's position in its frame as X and Y, and omit rotations that the model does not have."""
     f = FrameMotion.symbols()
     known = {f.x: real("X"), f.y: real("Y")} | ({} if model.has_turning_frame else {f.frame_ratio: sp.S.Zero})
     still = dict.fromkeys((f.phi_d, f.phi_dd), sp.S.Zero) if model.reference == "rest" else {}
@@ -73,7 +73,7 @@ def _write_law(chapter: Chapter, law: Law, model: Model) -> None:
 
 
 def _write_wrench(chapter: Chapter, law: Law) -> None:
-    """Write force and torque on each port, and where it is short what the energies give."""
+    """Write force and torque on each port, and the derivatives of the energies if short."""
     parts = [
         (_component(law.element.ports.index(port) + 1, axis), hand, energy)
         for (port, axis), hand, energy in zip(law.element.freedoms, law.wrench, law.gradient, strict=True)
@@ -99,7 +99,7 @@ def _component(port: int, axis: Axis) -> tuple[int, str]:
 
 
 def write_unit(unit: str) -> str:
-    """Return a unit as it is read."""
+    """Return a unit as printed."""
     return unit.replace("*", " ").replace("^2", "²").replace("^3", "³") or "1"
 
 

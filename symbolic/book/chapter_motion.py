@@ -1,4 +1,4 @@
-"""Chapter on coordinates and frames: what is integrated, and how the paper's inertial coordinates follow."""
+"""Chapter on coordinates and frames: integrated coordinates, and the paper's inertial ones."""
 
 import sympy as sp
 
@@ -42,7 +42,7 @@ def _frame(model: Model, frame: str) -> str:
 
 
 def _reference(chapter: Chapter, model: Model) -> None:
-    """Write how angles are split into the rigid motion and a deviation."""
+    """Write the split of angles into rigid motion and deviation."""
     lead = next((body.name for body in model.bodies if body.turning == "reference"), None)
     held = "its speed is held" if lead is None else f"it is the angle of {lead}, whose speed is a state"
     chapter.say(
@@ -77,7 +77,7 @@ def _places(chapter: Chapter, turns: bool) -> None:
 
 
 def _inertial(chapter: Chapter) -> None:
-    """Write places and velocities against the ground."""
+    """Write positions and velocities relative to the ground."""
     for left, value in zip((r"x^{\text{inertial}}", r"y^{\text{inertial}}"), rotate(BETA, X, Y, sp), strict=True):
         chapter.equate(break_sum(left, value))
     chapter.say("Velocities against the ground, resolved in the turning frame:")
@@ -86,7 +86,7 @@ def _inertial(chapter: Chapter) -> None:
 
 
 def _seats(chapter: Chapter) -> None:
-    """Write the motion of what sits on another body."""
+    """Write the motion of a body that sits on another."""
     chapter.head("Bodies that sit on others", "seats")
     chapter.say(
         "What sits on a body, such as a planet on a rigid pin or the teeth of an eccentric gear, "

@@ -1,4 +1,4 @@
-"""Chapters on the scene itself: what it is, which effects act, how it moves, and its numbers with their sources."""
+"""Chapters on the scene: description, active effects, motion, and numbers with their sources."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -48,7 +48,7 @@ def write_scene(chapter: Chapter, scene: Scene, model: Model, effects: Iterable[
 
 
 def _plain(value: float | None) -> str:
-    """Write a number; nothing for what is not known."""
+    """Write a number; empty if unknown."""
     return "" if value is None else f"{value + 0.0:.6g}"
 
 
@@ -90,6 +90,6 @@ def _shortened(text: str) -> str:
 
 
 def _source(sources: dict[str, str], key: str) -> str:
-    """Return where a number comes from: its own source, or that of the table it stands in."""
+    """Return the source of a number: its own, or that of its table."""
     parts = key.split(".")
     return next((s for i in range(len(parts), 0, -1) if (s := sources.get(".".join(parts[:i])))), "given by the scene")

@@ -21,7 +21,7 @@ class CrossReference:
 
 @dataclass(frozen=True)
 class Mark:
-    """A verdict: its text and what it amounts to, ``good``, ``fair`` or ``bad``."""
+    """A verdict: its text and its grade, ``good``, ``fair`` or ``bad``."""
 
     text: str
     kind: str
@@ -41,7 +41,7 @@ class Paragraph:
 
 @dataclass(frozen=True)
 class Equation:
-    """A numbered equation: its number, its lines in TeX, and a word on it."""
+    """A numbered equation: its number, its lines in TeX, and a remark."""
 
     number: str
     lines: tuple[str, ...]
@@ -50,7 +50,7 @@ class Equation:
 
     @property
     def anchor(self) -> str:
-        """Return where it is found."""
+        """Return its anchor."""
         return "eq-" + self.number.replace(".", "-")
 
 
@@ -78,7 +78,7 @@ Block = Paragraph | Equation | Grid | Heading
 
 @dataclass
 class Chapter:
-    """A chapter under way: blocks are put in order, equations numbered."""
+    """A chapter during writing: blocks in order, equations numbered."""
 
     number: int
     title: str
@@ -100,7 +100,7 @@ class Chapter:
         return equation
 
     def tabulate(self, head: Sequence[str], rows: Sequence[Sequence[Part | Text]], caption: str = "") -> None:
-        """Add a table; nothing where it has no rows."""
+        """Add a table; nothing if it has no rows."""
         if rows:
             told = tuple(tuple(cell if isinstance(cell, tuple) else (cell,) for cell in row) for row in rows)
             self.blocks.append(Grid(tuple(head), told, caption))
@@ -125,13 +125,13 @@ class Book:
     title, scene
         The scene's title and name.
     effects
-        Effect -> value of all that act.
+        Effect -> value, of active effects.
     chapters
         Its content.
     identity
-        What ties it to the C: key, versions, counts of operations.
+        Identity of its C: key, versions, counts of operations.
     checks, paper
-        How many checks passed and failed; how many printed equations of the paper have which verdict.
+        Numbers of passed and failed checks; numbers of the paper's printed equations by verdict.
     """
 
     title: str

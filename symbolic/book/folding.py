@@ -1,7 +1,7 @@
 """Substitution of common parts of an expression by their names.
 
-Only exact parts are replaced (some terms of a sum, some factors of a product, up to the sign), so putting the
-meaning of every name back gives the same expression; ``unfold`` does it.
+Only exact parts are replaced (some terms of a sum, some factors of a product, up to the sign), so substituting every
+name back gives the same expression; ``unfold`` does it.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ import sympy as sp
 
 @dataclass(frozen=True)
 class NamedStep:
-    """A named quantity: its symbol (or an expression of earlier symbols) and what it stands for."""
+    """A named quantity: its symbol (or an expression of earlier symbols) and its value."""
 
     symbol: sp.Expr
     value: sp.Expr
@@ -20,26 +20,26 @@ class NamedStep:
 
 @dataclass(frozen=True)
 class Folded:
-    """Expressions with names in place of their parts, and the names that are used, in order."""
+    """Expressions with named parts, and the names used, in order."""
 
     steps: tuple[NamedStep, ...]
     expressions: tuple[sp.Expr, ...]
 
 
 def fold(expressions: Sequence[sp.Expr], steps: Sequence[NamedStep]) -> Folded:
-    """Put names into expressions, and earlier names into later ones.
+    """Substitute names into expressions, and earlier names into later ones.
 
     Parameters
     ----------
     expressions
-        What is to be shortened.
+        Expressions to shorten.
     steps
-        Names and what they stand for, in raw form, simple ones first.
+        Names and their values, in raw form, simple ones first.
 
     Returns
     -------
     Folded
-        Names that nothing uses are left out, and so are those that are no shorter than what they name.
+        Without unused names, and without names no shorter than their values.
     """
     names: list[NamedStep] = []
     folded: list[NamedStep] = []
@@ -53,7 +53,7 @@ def fold(expressions: Sequence[sp.Expr], steps: Sequence[NamedStep]) -> Folded:
 
 
 def unfold(folded: Folded) -> tuple[sp.Expr, ...]:
-    """Put the meaning of every name back."""
+    """Replace every name by its value."""
     meaning: dict[sp.Basic, sp.Expr] = {}
     for step in folded.steps:
         meaning[step.symbol] = step.value.xreplace(meaning)
@@ -72,7 +72,7 @@ def _used(steps: Sequence[NamedStep], expressions: Sequence[sp.Expr]) -> tuple[N
 
 
 def _replace(expression: sp.Expr, steps: Sequence[NamedStep]) -> sp.Expr:
-    """Put names into an expression, the latest first."""
+    """Substitute names into an expression, the latest first."""
     memory: dict[sp.Basic, sp.Expr] = {}
 
     def visit(node: sp.Expr) -> sp.Expr:

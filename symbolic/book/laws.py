@@ -1,4 +1,4 @@
-"""Force laws as they are printed: an element's energies beside the wrench written by hand."""
+"""Printed force laws: an element's energies and its hand-written wrench."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from .folding import Folded, NamedStep, fold
 from .letters import ABSOLUTE, LETTERS, PECULIAR, Letter
 
 SHORT = 24
-"""Operations up to which a derivative of the energies is printed beside the wrench."""
+"""Largest number of operations for which a derivative of the energies is printed beside the wrench."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def write_law(key: ElementKey) -> Law:
 
 
 def _gradient(element: Element, steps: list[NamedStep], folded: Folded) -> tuple[sp.Expr | None, ...]:
-    """Return what the energies give, in the names of the law; None where that is too long to read."""
+    """Return the derivatives of the energies, in the names of the law; None if too long to read."""
     raw = forces(element)
     known = {*element.arguments, *(step.symbol for step in folded.steps)}
     short = (

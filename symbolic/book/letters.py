@@ -166,7 +166,7 @@ ORDER: tuple[frozenset[str], ...] = (
     frozenset({"beta_0", "tau_0", "size", "width", "S_x", "S_y", "s_x", "s_y", "F_x", "F_y", "a_x", "a_y"}),
     frozenset(_STEPS),
 )
-"""How the factors of a product follow each other: forces and numbers first, what moves last."""
+"""Order of factors in a product: forces and numbers first, coordinates last."""
 
 ABSOLUTE: Mapping[str, Letter] = MappingProxyType({
     name.format(i): (tex.replace("#", str(i)), f"{meaning} {i}")
@@ -177,7 +177,7 @@ ABSOLUTE: Mapping[str, Letter] = MappingProxyType({
         ("omega_{}", r"\omega_{#}", "speed against the ground of body"),
     )
 })  # fmt: skip
-"""Letters of the rates in elements that see velocities against the ground."""
+"""Letters of the rates in elements with velocities relative to the ground."""
 
 PECULIAR: Mapping[tuple[str, str], Letter] = MappingProxyType({
     ("mesh_friction", "c_t"): ("c_{t}", "damping of the sliding"),

@@ -1,7 +1,7 @@
 """Printed equations of the whole model, from states to accelerations, in computing order.
 
-The mechanics of the model, over symbols in place of graphs. Small scenes show it as it stands; of large ones the book
-shows the laws once and which element acts on which body.
+The mechanics of the model, with symbols instead of graphs. For small scenes the book prints all equations; for large
+ones it prints each law once and which element acts on which body.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from .laws import write_law
 
 @dataclass(frozen=True)
 class Assignment:
-    """One printed equation: symbol, what it is, and which body or element (by number) it belongs to."""
+    """One printed equation: symbol, value, and its body or element (by number)."""
 
     symbol: sp.Expr
     value: sp.Expr
@@ -28,7 +28,7 @@ class Assignment:
 
 @dataclass(frozen=True)
 class Leaf:
-    """What a free symbol stands for: a state (x), a level or signal (s) or a parameter (p) of the C, by name."""
+    """Meaning of a free symbol: a state (x), a level or signal (s) or a parameter (p) of the C, by name."""
 
     vector: str
     name: str
@@ -41,13 +41,13 @@ class PrintedEquations:
     Attributes
     ----------
     assignments
-        Named quantities, each of states, numbers and earlier ones.
+        Named quantities, each a function of states, numbers and earlier ones.
     rates
         State -> its rate.
     leaves
         Free symbol -> state, signal, level or parameter of the C.
     terms
-        Body -> (number of the element, port) of all that acts on it.
+        Body -> (number of the element, port) of all loads on it.
     """
 
     assignments: tuple[Assignment, ...]
@@ -81,7 +81,7 @@ def assemble(model: Model) -> PrintedEquations:
 
 
 class _Symbols(Balances):
-    """The mechanics of a model under way, in SymPy's symbols: leaves, and what was named on the way."""
+    """The mechanics of a model in SymPy symbols: leaves, and the quantities named so far."""
 
     functions, zero = sp, sp.S.Zero
 
@@ -115,7 +115,7 @@ class _Symbols(Balances):
         return symbol
 
     def body_law(self, given: dict[str, Any]) -> dict[str, sp.Expr]:
-        """Return the accelerations of a body by freedom."""
+        """Return the accelerations of a body by degree of freedom."""
         symbols = FrameMotion.symbols()
         known = {getattr(symbols, name): value for name, value in given.items()}
         return {axis: row.xreplace(known) for axis, row in zip("xyu", symbols.newton(), strict=True)}

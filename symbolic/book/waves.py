@@ -1,4 +1,4 @@
-r"""Printed profiles over the mesh phase: their letters, and the functions that they are written with.
+r"""Printed profiles over the mesh phase: letters and functions.
 
 :math:`\operatorname{wrap}(z)` is z less its nearest whole number; :math:`\operatorname{R}` rises smoothly from 0
 at z = 0 to 1 at z = 1.

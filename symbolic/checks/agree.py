@@ -1,8 +1,8 @@
-r"""Check of the derivations: several routes to one right-hand side agree; every emission passes it.
+r"""Check of the derivations: several routes give the same right-hand side; run before every emission.
 
-At seeded random states the accelerations from the energies are compared with those from the hand-written
-wrenches, and those from the turning frames with those from the paper's inertial coordinates: forces turned
-from one basis into the other, and the rates of inertial momentum and angular momentum against the forces.
+At seeded random states, accelerations from the energies are compared with those from the hand-written wrenches. Results
+in the rotating frames are compared with the paper's inertial coordinates: forces rotated from one basis into the other,
+and the rates of inertial momentum and angular momentum against the forces.
 """
 
 from collections.abc import Sequence
@@ -31,7 +31,7 @@ SIZE, RATE, ANGLE, TURN = 1e-4, 1e-1, 50.0, 1.0
 
 @dataclass(frozen=True)
 class ComparedPoints:
-    """Where right-hand sides are compared: columns of states, levels and load signals, and parameters."""
+    """Points of comparison: columns of states, levels and load signals, and parameters."""
 
     x: Array
     s: Array
@@ -44,7 +44,7 @@ def random_points(model: Model, equations: Equations, angle: float, size: float 
     Parameters
     ----------
     model, equations
-        Give the numbers and the states' order.
+        Sources of the numbers and the order of states.
     angle
         Largest reference angle [rad].
     size
@@ -83,9 +83,9 @@ def evaluate(equations: Equations, expression: Any, points: ComparedPoints) -> A
 
 
 def largest_difference(one: Array, two: Array) -> float:
-    """Return the largest difference relative to the row's largest value; infinite for what is not finite.
+    """Return the largest difference relative to the row's largest value; infinite if not finite.
 
-    A row that is small beside the others is compared with a millionth of the largest, since it may be rounding.
+    A row much smaller than the others is compared with a millionth of the largest, since it may be rounding.
     """
     if one.size == 0:
         return 0.0
@@ -105,12 +105,12 @@ def agreement(model: Model, equations: Equations) -> list[Check]:
     model
         The model.
     equations
-        What was derived from it and is to be trusted (``derive(model)``).
+        The equations under test (``derive(model)``).
 
     Returns
     -------
     list of Check
-        Quick ones only; ``check_model`` runs all.
+        Quick checks only; ``check_model`` runs all.
     """
     return [
         frame_accelerations(),
@@ -120,7 +120,7 @@ def agreement(model: Model, equations: Equations) -> list[Check]:
 
 
 def frame_accelerations(rows: Sequence[Any] | None = None) -> Check:
-    """Prove a body's accelerations in a turning frame: from its kinetic energy, and by hand (``rows``)."""
+    """Prove a body's accelerations in a rotating frame: from its kinetic energy, and by hand (``rows``)."""
     by_hand = FrameMotion.symbols().newton() if rows is None else rows
     differences = [a - b for a, b in zip(lagrange.frame_accelerations(), by_hand, strict=True)]
     wrong = vanishing(differences).count(False)
@@ -132,7 +132,7 @@ def frame_accelerations(rows: Sequence[Any] | None = None) -> Check:
 
 
 def energies_and_forces(model: Model, equations: Equations) -> list[Check]:
-    """Compare Lagrange's right-hand side with the one given; meshes with the paper's law to first order."""
+    """Compare Lagrange's right-hand side with the given one; meshes with the paper's law to first order."""
     name = "whole model: Lagrange's and Newton's forces and accelerations"
     note = f"{STATES} random states; largest difference over the row's largest value"
     if all(make(instance.element).gradient for instance in model.instances):
@@ -147,7 +147,7 @@ def energies_and_forces(model: Model, equations: Equations) -> list[Check]:
 
 
 def lagrange_difference(model: Model, equations: Equations) -> float:
-    """Return the relative difference of accelerations and of forces on all bodies, held and driven ones too."""
+    """Return the relative difference of accelerations and of forces on all bodies, including fixed and driven ones."""
     points = random_points(model, equations, ANGLE)
     both = [
         evaluate(item, ca.vertcat(item.xdot, *item.forces.values()), points)
@@ -157,7 +157,7 @@ def lagrange_difference(model: Model, equations: Equations) -> float:
 
 
 def second_order(model: Model, equations: Equations) -> Check:
-    """Check that with the paper's law the difference shrinks with the square of the deviations."""
+    """Check that the difference for the paper's law is of second order in the deviations."""
     other = derive(model, "lagrange")
     sizes, scale = [], None
     for size in (0.1, 0.01):
@@ -179,7 +179,7 @@ def second_order(model: Model, equations: Equations) -> Check:
 
 
 def coordinates(model: Model, equations: Equations) -> list[Check]:
-    """Compare the turning frames with the paper's inertial coordinates."""
+    """Compare the rotating frames with the paper's inertial coordinates."""
     values = model.values()
     fastest = max((abs(values[body.ratio]) for body in model.bodies if body.ratio), default=1.0)
     inertial = derive(model, basis="inertial")
@@ -218,7 +218,7 @@ def coordinate_checks(model: Model, equations: Equations, inertial: Equations, a
 
 
 def turned_forces(model: Model, equations: Equations) -> Any:  # noqa: ANN401
-    """Return the forces on all bodies, turned from their frames into the inertial basis."""
+    """Return the forces on all bodies, rotated from their frames into the inertial basis."""
     number = {name: equations.p[i] for i, (name, _) in enumerate(equations.parameters)}
     angle = next((equations.x[i] for i, s in enumerate(equations.states) if s.name == "reference.angle"), 0.0)
     rows = []
@@ -233,7 +233,7 @@ def turned_forces(model: Model, equations: Equations) -> Any:  # noqa: ANN401
 def momentum_rates(model: Model, equations: Equations) -> Any:  # noqa: ANN401
     """Return the rates of momentum and of angular momentum along the right-hand side, in inertial coordinates.
 
-    Angular momentum is that of a body and of what shares its angle, each about its own centre.
+    Angular momentum is that of a body and of all that share its angle, each about its own centre.
     """
     number = {name: equations.p[i] for i, (name, _) in enumerate(equations.parameters)}
 
@@ -266,7 +266,7 @@ def momentum_rates(model: Model, equations: Equations) -> Any:  # noqa: ANN401
 
 
 def signal_rates(model: Model, equations: Equations) -> Any:  # noqa: ANN401
-    """Return the rates of s as far as motion depends on them: a reference speed over time changes by its own."""
+    """Return the rates of s that affect the motion: those of a reference speed over time."""
     places = {signal.name: len(equations.levels) + i for i, signal in enumerate(model.signals)}
     rates = ca.SX.zeros(*equations.s.shape)
     if "reference.speed" in places:

@@ -1,4 +1,4 @@
-"""All checks of one model, in a fixed order: what ``ltcgear check SCENE`` shows."""
+"""All checks of one model, in a fixed order, shown by ``ltcgear check SCENE``."""
 
 from ..mechanics.equations import derive
 from ..mechanics.model import Model

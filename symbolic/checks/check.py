@@ -1,4 +1,4 @@
-"""Result of a check, and names of element types as users see them."""
+"""Result of a check, and names of element types for users."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -19,13 +19,13 @@ class Check:
     Attributes
     ----------
     name
-        What was checked, in a drivetrain engineer's words.
+        Subject of the check, in a drivetrain engineer's words.
     passed
-        Whether ``value`` keeps to ``tolerance``.
+        Whether ``value`` is within ``tolerance``.
     value, tolerance
-        What was found and what is allowed; a number of faults or a relative error.
+        Measured and allowed number of faults or relative error.
     note
-        How it was checked.
+        Method of the check.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Check:
 
 
 def judged(name: str, value: float, tolerance: float, note: str) -> Check:
-    """Make a check that passes where the value is within the tolerance (never where it is not a number)."""
+    """Make a check that passes if the value is within the tolerance (never if it is NaN)."""
     return Check(name, bool(value <= tolerance), float(value), float(tolerance), note)
 
 
@@ -48,7 +48,7 @@ WORDS: dict[str, Callable[[Any], str]] = {
     "followed": lambda followed: "torque of the stiffness" * followed,
     "damped": lambda damped: "damped" if damped else "undamped",
 }
-"""Option of an element type -> its words behind the title; other options stand before it."""
+"""Option of an element type -> its words after the title; other options precede it."""
 
 
 def title(key: ElementKey) -> str:

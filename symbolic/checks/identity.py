@@ -1,11 +1,11 @@
-r"""Check of the force laws: energies give the hand-written wrenches, proven symbolically.
+r"""Check of the force laws: symbolic proof that the energies give the hand-written wrenches.
 
-For every element type, each component of :math:`-\partial V/\partial q - \partial D/\partial\dot q` minus the
-wrench is shown to be identically zero. For every stage the same is shown of the sums: Lagrange's equations
-from the stage's total T, V and D in the paper's inertial coordinates, against Newton's from the sums of wrenches.
+For every element type, each component of :math:`-\partial V/\partial q - \partial D/\partial\dot q` minus the wrench is
+shown to be identically zero. For every stage the same is shown for the sums: Lagrange's equations from the stage's
+total T, V and D in the paper's inertial coordinates equal Newton's from the sums of wrenches.
 
-The paper's mesh law (eqs 7 and 23) is no gradient: there the difference is shown to vanish at the nominal
-centre distance and rolling angle, and to be of first order in the distance from them.
+The paper's mesh law (eqs 7 and 23) is not a gradient: its difference is shown to vanish at the nominal centre distance
+and rolling angle, and to be of first order in the deviation from them.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,13 +30,13 @@ from .zero import vanishing
 
 
 def known_squares(element: Element) -> dict[sp.Symbol, sp.Expr]:
-    """Return what is known of squares: e is a unit vector, the flank's sign is 1 or -1."""
+    """Return the known squares: e is a unit vector, the flank's sign is 1 or -1."""
     squares = {EY: 1 - EX**2, S: sp.S.One}
     return {symbol: square for symbol, square in squares.items() if symbol in element.parameters}
 
 
 def relative_places(element: Element) -> dict[sp.Symbol, sp.Symbol]:
-    """Measure the second body's position from the first."""
+    """Return the position of the second body relative to the first."""
     if len(element.ports) < 2:
         return {}
     one, two = element.ports[:2]
@@ -63,10 +63,10 @@ def element_identity(label: str, element: Element) -> Check:
 
 
 def nominal_identity(label: str, element: Element) -> Check:
-    """Prove that the paper's law agrees with its energy where distance and rolling angle are nominal.
+    """Prove that the paper's law agrees with its energy at nominal distance and rolling angle.
 
-    Both wrenches are divided by the normal force N; what is left is put at d = d_0 in any direction, with
-    both gears turned with the line of centres (w = 0), and shown to vanish.
+    Both wrenches are divided by the normal force N; their difference is shown to vanish at d = d_0 in any direction,
+    with both gears rotated with the line of centres (w = 0).
     """
     element, (one, two) = _pushing(element), element.ports
     still = dict.fromkeys(element.velocities, sp.S.Zero)
@@ -86,7 +86,7 @@ def nominal_identity(label: str, element: Element) -> Check:
 
 
 def first_order(label: str, element: Element, instance: Instance, model: Model) -> Check:
-    """Measure how far the paper's law is from its energy under load, and that this shrinks linearly."""
+    """Measure the difference of the paper's law from its energy under load, and its linear decrease."""
     load = model.statics[".".join(instance.name.split(".")[:2])]
     values = bound_values(instance, model)
     values |= {"gap": 0.0} if "gap" in values else {}  # in its gap a flank has no force whose error could be told
@@ -103,7 +103,7 @@ def first_order(label: str, element: Element, instance: Instance, model: Model) 
 
 
 def damper_identity(label: str, element: Element) -> Check:
-    """Prove that the part of the wrench that comes with motion, while teeth push, is the dissipation's gradient."""
+    """Prove that the velocity-dependent part of the wrench, while teeth push, is the dissipation's gradient."""
     element = _pushing(element)
     still = dict.fromkeys((*element.velocities, ERROR_RATE), sp.S.Zero)
     moving = {at: load - load.xreplace(still) for at, load in element.wrench.items()}
@@ -111,7 +111,7 @@ def damper_identity(label: str, element: Element) -> Check:
 
 
 def _pushing(element: Element) -> Element:
-    """Return what an element is where its teeth push."""
+    """Return the element with its teeth in contact."""
 
     def on(expression: sp.Expr) -> sp.Expr:
         switched = sp.sympify(expression).replace(Switch, lambda g, hold: sp.S.One)
@@ -130,7 +130,7 @@ def bound_values(instance: Instance, model: Model) -> dict[str, float]:
 
 
 def _some_stiffness(instance: Instance, model: Model) -> float:
-    """Return a stiffness [N/m] that a profile over the mesh phase is made of; 0 where there is none."""
+    """Return a stiffness [N/m] from the parameters of a profile over the mesh phase; 0 if there is none."""
     values = {q.name: q.value for q in model.parameters if q.unit == "N/m"}
     mesh = instance.name.removesuffix(BACK)
     profiles = [item for item in model.profiles if (item.mesh, item.quantity) == (mesh, "stiffness")]
@@ -183,7 +183,7 @@ def stage_identity(model: Model, stage: str, write: Writer = make) -> Check:
 
 
 def free_axes(body: Body) -> tuple[Axis, ...]:
-    """Return the axes on which a body has an equation of motion."""
+    """Return the axes along which a body has an equation of motion."""
     return SIDEWAYS * body.lateral + (THETA,) * (body.turning in ("free", "reference"))
 
 

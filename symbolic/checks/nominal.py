@@ -1,4 +1,4 @@
-"""Nominal model: gears at their nominal places without errors, where the paper's law is checked."""
+"""Nominal model: gears at their nominal positions without errors, for checks of the paper's law."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -7,7 +7,7 @@ from ..mechanics.model import Body, Instance, Model
 
 
 def at_nominal(model: Model) -> Model:
-    """Return the model with no pin out of place, no eccentric tooth centre and no error of teeth.
+    """Return the model without pin position errors, eccentricities and tooth errors.
 
     The structure stays; only numbers change.
     """
@@ -28,7 +28,7 @@ def at_nominal(model: Model) -> Model:
 
 
 def _places(model: Model, instance: Instance, values: dict[str, float]) -> dict[str, float]:
-    """Return the places of the bodies of a mesh: gear 2 at the centre distance, centres of teeth on the axes."""
+    """Return the positions of the bodies of a mesh: gear 2 at the centre distance, tooth centres on the axes."""
     bodies = {body.name: body for body in model.bodies}
     one, two = ([*_down(bodies, name)] for name in instance.bodies)
     distance = values[instance.bind["d_0"]]
@@ -40,7 +40,7 @@ def _places(model: Model, instance: Instance, values: dict[str, float]) -> dict[
 
 
 def _down(bodies: dict[str, Body], name: str) -> Iterator[Body]:
-    """Yield a body and, where it is a centre of teeth, the gear on which it sits."""
+    """Yield a body and, if it is a tooth centre, its gear."""
     body = bodies[name]
     yield body
     if body.turning == "point" and body.seat is not None:

@@ -1,12 +1,12 @@
 r"""Check of the paper: each printed equation of Wu et al. 2021 against the same row from element wrenches.
 
-Rows are compared term group by term group at seeded random states on the printed flank (s = +1, N > 0),
-while the planets roll at the pitch points: the only motion that the paper's tangent deformation (eqs 8
-and 24) knows of. Of the two directions of sliding, the explicit rows 32 and 34-37 print one without saying
-which; per mesh, the one with which more printed Coulomb terms agree is taken (``direction``). Friction
-opposes sliding. Rows 14, 15, 27 and 28 carry their own sgn(), or go with it, and are compared in both directions
-at once. What eqs 1 to 30 define is derived from the same wrenches (angles where they vanish, their directions) and by
-counting teeth, pairs in contact and freedoms.
+Rows are compared term group by term group at seeded random states on the printed flank (s = +1, N > 0), while the
+planets roll at the pitch points: the only motion that the paper's tangent deformation (eqs 8 and 24) includes. The
+explicit rows 32 and 34-37 print one of the two directions of sliding without saying which; per mesh, the direction that
+agrees with more printed Coulomb terms is taken (``direction``). Friction opposes sliding. Rows 14, 15, 27 and 28
+contain sgn(), or belong to rows that do, and are compared in both directions at once. Quantities defined by eqs 1 to 30
+are derived from the same wrenches (from the angles at which they vanish, and their directions) and by counting teeth,
+pairs in contact and degrees of freedom.
 
 ``agrees`` means equal to rounding; ``first-order``, that the relative difference vanishes with the change
 of centre distance and the tooth deflection; ``misprint``, neither. A misprint is explained by the fewest
@@ -28,7 +28,7 @@ SEVERITY = ("agrees", "first-order", "misprint")
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the comparison says of one printed row; ``printed`` and ``derived`` are plain text."""
+    """Verdict on one printed row; ``printed`` and ``derived`` are plain text."""
 
     equation: int
     row: str
@@ -73,5 +73,5 @@ def judge_row(row: Row) -> tuple[Verdict, dict[str, sp.Expr]]:
 
 
 def check_paper(rows: Sequence[Row] | None = None) -> tuple[Verdict, ...]:
-    """Compare printed rows (all by default) with the derivation and explain what differs."""
+    """Compare printed rows (all by default) with the derivation and explain differences."""
     return tuple(check_row(row) for row in (ROWS if rows is None else rows))

@@ -1,4 +1,4 @@
-"""Derived rows of the paper: what element wrenches, and counting, give for each of its equations."""
+"""Derived rows of the paper: each of its equations from element wrenches or by counting."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -98,7 +98,7 @@ def interactions(v: Values) -> Iterator[tuple[str, str, str, dict[str, Any]]]:
 
 
 def derive_balances(v: Values) -> dict[str, Groups]:
-    """Put the rows together: label -> term group -> what Newton's laws give left of the equals sign."""
+    """Assemble the rows: label -> term group -> left side of Newton's laws."""
     rows: dict[str, Groups] = {f"{c}_{b}": {} for b in "SRPC" for c in COMPONENTS}
     for b in "SRPC":
         for c in COMPONENTS:
@@ -116,7 +116,7 @@ def derive_balances(v: Values) -> dict[str, Groups]:
 
 
 def derive_laws(v: Values, balances: Mapping[str, Groups]) -> dict[str, Groups]:
-    """Derive what eqs 1 to 30 define: label -> term group -> value."""
+    """Derive the quantities defined by eqs 1 to 30: label -> term group -> value."""
     laws = derive_counts(v)
     for b in KIND:
         laws |= derive_rolling(v, b) | derive_triangle(v, b) | derive_friction(v, b, balances)
@@ -132,10 +132,11 @@ def derive_laws(v: Values, balances: Mapping[str, Groups]) -> dict[str, Groups]:
 
 
 def derive_counts(v: Values) -> dict[str, Groups]:
-    """Derive what is counted: freedoms of bodies in the plane, phases by places of teeth, pairs in contact.
+    """Derive counts: degrees of freedom in the plane, phases by positions of teeth, pairs in contact.
 
-    A pair touches for epsilon pitches, and the next comes a pitch later. Where single contact begins, one has just
-    gone, and the pair that is left has touched for epsilon - 1 pitches; once it has for one, there are two.
+    A pair touches for epsilon pitches, and the next one starts a pitch later. Where single contact begins, a pair has
+    just separated, and the remaining pair has touched for epsilon - 1 pitches; after one pitch of contact, the next
+    pair touches.
     """
     points = np.random.default_rng(1).normal(size=(4, 2))
     arms = [(a, b) for a in range(4) for b in range(a)]
@@ -188,7 +189,7 @@ def derive_triangle(v: Values, b: str) -> dict[str, Groups]:
 
 
 def derive_friction(v: Values, b: str, balances: Mapping[str, Groups]) -> dict[str, Groups]:
-    """Derive friction along the tangent, and the tangent deflection whose rate it opposes.
+    """Derive tangential friction, and the tangent deflection whose rate it opposes.
 
     The tangent is that of eq 15 and, for the ring, that along which rows 34 to 36 print friction; against it the
     deflection is positive.

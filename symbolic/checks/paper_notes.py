@@ -1,4 +1,4 @@
-"""Notes on the paper: rows that contradict each other, slips that cancel, and what follows."""
+"""Notes on the paper: rows that contradict each other, misprints that cancel, and consequences."""
 
 from collections.abc import Iterator, Mapping
 from itertools import combinations
@@ -29,7 +29,7 @@ DISTANCE = {"S": (d_PS, d_PS0), "R": (d_PR, d_PR0)}
 
 
 def list_notes(row: Row, derived: Mapping[str, sp.Expr]) -> list[str]:
-    """List what is to be said of a row besides its own slips.
+    """List notes on a row besides its own misprints.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Random states of a planetary set, by the names of the paper's letters."""
+"""Random states of a planetary set, by the names of the paper's symbols."""
 
 from collections.abc import Callable, Mapping
 
@@ -21,7 +21,7 @@ def random_values(size: float, directions: Mapping[str, int]) -> dict[str, Array
     size
         Relative size of the centre distance's change and of the tooth deflection.
     directions
-        Mesh (S or R) -> +1 where the centres approach, -1 where they part, 0 for some of each.
+        Mesh (S or R) -> +1 if the centres approach, -1 if they separate, 0 for some of each.
     """
     rng = np.random.default_rng(31)
 

@@ -1,8 +1,8 @@
-r"""Check of the physics: laws that every element must obey, at seeded random states.
+r"""Check of physical laws that every element must obey, at seeded random states.
 
-Forces of springs and weights are the gradient of their energy; what two bodies do to each other cancels in
-force and in moment; what a damper or friction does takes power, and as much as is booked as loss; and every
-formula keeps its units: scaled lengths, masses and times scale each quantity by its own unit.
+Forces of springs and weights are minus the gradient of their energy. Forces and moments between two bodies cancel.
+Dampers and friction dissipate power, equal to the reported loss. Every formula is dimensionally homogeneous: scaled
+lengths, masses and times scale each quantity by its own unit.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,17 +29,17 @@ TOLERANCE, UNIT_TOLERANCE = 1e-10, 1e-9
 FACTORS = {"length": 1.7, "mass": 0.6, "time": 1.3}
 RESULTS = ("wrench", "potential", "dissipation")
 GIVEN = {TURN: 0.0, ERROR_RATE: 0.0}
-"""What is no random number: frames at their start, and errors of teeth that stand, since moving ones give power."""
+"""Arguments that are not random: frames at their start, and constant tooth errors, since varying ones supply power."""
 
 
 def _turned(x: Array, y: Array) -> tuple[Array, Array]:
-    """Turn a place or direction, so that no state has its planet on an axis."""
+    """Rotate a position or direction, so that no state has its planet on an axis."""
     cos, sin = np.cos(OBLIQUE), np.sin(OBLIQUE)
     return cos * x - sin * y, sin * x + cos * y
 
 
 class ElementBench:
-    """One element type with random states near its place in the model.
+    """One element type with random states near its position in the model.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class ElementBench:
     element
         The element.
     instance, model
-        Where it works, for its parameters and the places of its bodies.
+        Source of its parameters and the positions of its bodies.
     """
 
     def __init__(self, label: str, element: Element, instance: Instance, model: Model) -> None:
@@ -56,7 +56,7 @@ class ElementBench:
         self.arguments = self._draw(instance, model)
 
     def _draw(self, instance: Instance, model: Model) -> Array:
-        """Draw coordinates, rates and parameters: one row an argument, one column a state."""
+        """Draw coordinates, rates and parameters: one row per argument, one column per state."""
         rng = np.random.default_rng(20210611)
         numbers = model.values()
         nominal = [dict(zip((X, Y), model.nominal_place(name), strict=True)) for name in instance.bodies]
@@ -79,7 +79,7 @@ class ElementBench:
 
     @cached_property
     def function(self) -> ca.Function:
-        """Lower everything that the checks look at."""
+        """Lower all expressions used by the checks."""
         element = self.element
         leaves = {symbol: ca.SX.sym(symbol.name) for symbol in element.arguments}
         reports = [output.expression for output in element.outputs.values()]
@@ -106,20 +106,20 @@ class ElementBench:
         )  # fmt: skip
 
     def values(self, arguments: Array | None = None) -> dict[str, Array]:
-        """Evaluate at the bench's states, or at given ones; each result has one column a state."""
+        """Evaluate at the bench's states, or at given ones; each result has one column per state."""
         columns = self.arguments if arguments is None else arguments
         found = [self.function(arguments=column) for column in columns.T]
         return {name: np.hstack([np.asarray(one[name]).reshape(-1, 1) for one in found]) for name in found[0]}
 
     def on_bodies(self, rows: Array) -> list[Array]:
-        """Return, for each axis of the plane, the rows of all bodies out of those of all freedoms, zeros included."""
+        """Return, for each axis of the plane, the rows of all bodies from those of all ports, zeros included."""
         known = dict(zip(self.element.freedoms, rows, strict=False))
         nothing = np.zeros(STATES)
         return [np.array([known.get((port, axis), nothing) for port in self.element.ports]) for axis in PLANE]
 
     @property
     def resting(self) -> Array:
-        """Return the states with nothing moving."""
+        """Return the states with zero velocities."""
         still = self.arguments.copy()
         count = len(self.element.coordinates)
         still[count : 2 * count] = 0.0
@@ -150,7 +150,7 @@ def conservative_force(bench: ElementBench) -> Check:
 
 
 def action_and_reaction(bench: ElementBench) -> list[Check]:
-    """Check that the bodies of an element push each other equally, and about the same line."""
+    """Check that the forces between the bodies of an element are equal and opposite, along the same line."""
     fx, fy, torque = bench.on_bodies(bench.values()["wrench"])
     x, y, _ = bench.on_bodies(bench.arguments)
     pole = np.random.default_rng(1).uniform(-1.0, 1.0, (2, STATES)) * np.abs(np.vstack([x, y])).max()
@@ -169,7 +169,7 @@ def action_and_reaction(bench: ElementBench) -> list[Check]:
 
 
 def dissipated_power(bench: ElementBench) -> list[Check]:
-    """Check that the part of the wrench that comes with motion takes power, and what is booked as loss."""
+    """Check that the velocity-dependent part of the wrench dissipates power, equal to the reported loss."""
     moving, at_rest = bench.values(), bench.values(bench.resting)
     power = np.sum((moving["wrench"] - at_rest["wrench"]) * bench.velocities, axis=0, keepdims=True)
     parts = np.abs(moving["wrench"] * bench.velocities).max(axis=0, keepdims=True)
@@ -183,7 +183,7 @@ def dissipated_power(bench: ElementBench) -> list[Check]:
 
 
 def scale_of(unit: str) -> float:
-    """Return by how much a quantity grows when lengths, masses and times are scaled by ``FACTORS``."""
+    """Return the scale factor of a quantity when lengths, masses and times are scaled by ``FACTORS``."""
     return float(np.prod([FACTORS[name] ** power for name, power in dimension(unit).items()]))
 
 
@@ -198,7 +198,7 @@ def result_units(element: Element) -> dict[str, Sequence[str]]:
 
 
 def homogeneous(bench: ElementBench) -> Check:
-    """Check that every formula keeps its units."""
+    """Check that every formula is dimensionally homogeneous."""
     element, axes = bench.element, [axis for _, axis in bench.element.freedoms]
     units = [*(axis.unit for axis in axes), *(axis.rate_unit for axis in axes), *element.parameters.values()]
     scales = np.array([[scale_of(unit)] for unit in units])

@@ -1,11 +1,11 @@
 r"""Exact zero test for the elements' expressions, much faster than ``sympy.simplify``.
 
-An expression is read as a fraction over a polynomial ring whose generators are its symbols, its square
-roots (:math:`R^2` is the radicand) and its other functions, which stay opaque. Known squares
-(:math:`e_x^2 + e_y^2 = 1`, :math:`s^2 = 1`, :math:`\sin^2 + \cos^2 = 1`) keep every even power of such a
-generator out. Denominators are kept as products of factors, so a common one is the longest, not the
-product of all. The expression vanishes where its reduced numerator has no term left. The test is
-sound: only rules that hold for the functions are used; a relation it does not know makes it say no.
+An expression is read as a fraction over a polynomial ring whose generators are its symbols, its square roots
+(:math:`R^2` is the radicand) and its other functions, which stay opaque. Known squares (:math:`e_x^2 + e_y^2 = 1`,
+:math:`s^2 = 1`, :math:`\sin^2 + \cos^2 = 1`) keep every even power of such a generator out. Denominators are kept as
+products of factors, so a common denominator is their least common multiple, not the product of all. The expression
+vanishes if its reduced numerator has no terms. The test is sound: it uses only valid rules, and an unknown relation
+makes it answer no.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -40,9 +40,9 @@ def vanishing(
     Parameters
     ----------
     expressions
-        What to test; common parts are worked on once.
+        Expressions to test; common parts are processed once.
     squares
-        Symbol -> expression of its square, where that is known.
+        Symbol -> expression of its square, if known.
     shifts
         Symbol -> origin from which it is measured instead (a change of variables that keeps
         differences of positions short).
@@ -57,7 +57,7 @@ def vanishing(
 
 
 def generators(expressions: Iterable[sp.Expr]) -> list[sp.Expr]:
-    """List what expressions are polynomials or fractions of; radicands come before their roots."""
+    """List the generators of expressions; radicands come before their roots."""
     found: dict[sp.Expr, None] = {}
     seen: set[sp.Basic] = set()
 
@@ -134,7 +134,7 @@ class Quotient:
         return self.ring.from_dict({tuple(p // 2 for p in powers): ZZ(number)})
 
     def is_zero(self, expression: sp.Expr) -> bool:
-        """Tell whether an expression vanishes; no, where it divides by zero."""
+        """Tell whether an expression vanishes; no if it divides by zero."""
         try:
             return not self.fraction(expression).numerator
         except ZeroDivisionError:
@@ -193,7 +193,7 @@ class Quotient:
         return Fraction(numerator, scale, factors)
 
     def invert(self, term: Fraction) -> Fraction:
-        """Turn a fraction over; a generator with a known square goes upstairs, 1/g = g/g^2."""
+        """Invert a fraction; a generator with a known square moves to the numerator, 1/g = g/g^2."""
         if not term.numerator:
             raise ZeroDivisionError
         numerator = self.ring(term.scale)

@@ -1,1 +1,1 @@
-"""Descriptions: what a scene amounts to in numbers and words."""
+"""Descriptions of a scene in numbers and words."""

@@ -13,12 +13,12 @@ from .variants import same_model, with_value
 
 
 def warnings(scene: Scene, model: Model | None = None) -> list[str]:
-    """Return one line for every effect that leaves no trace in the model, and for machines beyond their breakdown."""
+    """Return one line for every effect without influence on the model, and for machines beyond breakdown."""
     return [*_idle_effects(scene, model or build_model(scene)), *_wedged(scene), *_overloaded(scene)]
 
 
 def _idle_effects(scene: Scene, model: Model) -> Iterator[str]:
-    """List the effects whose model is the same when they are left out."""
+    """List the effects that do not change the model."""
     for effect in EFFECTS:
         value = scene.effects[effect.name]
         if value not in effect.needs or (value == effect.default and not scene.stages):
@@ -40,7 +40,7 @@ def _wedged(scene: Scene) -> Iterator[str]:
 
 
 def _overloaded(scene: Scene) -> Iterator[str]:
-    """Warn of asynchronous machines that are asked for more than their breakdown torque, or run beyond that point."""
+    """Warn of asynchronous machines loaded above their breakdown torque, or running beyond that point."""
     machines = {name: load for name, load in scene.loads.items() if load.slip is not None}
     rigid = train.motion(scene)[0] if machines else None
     if rigid is None or rigid.mode == "rest":

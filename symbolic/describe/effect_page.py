@@ -38,7 +38,7 @@ def _values(effect: Effect) -> str:
 
 
 def _section(effect: Effect) -> str:
-    """Write what there is to say about one effect."""
+    """Write the section on one effect."""
     lines = [effect.help, f"- Values: {_values(effect)}.", *_conditions(effect), f"- Source: {effect.source}."]
     return f"\n## {effect.name}\n\n{lines[0]}\n\n" + "\n".join(lines[1:]) + "\n"
 

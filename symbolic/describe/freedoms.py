@@ -1,4 +1,4 @@
-"""Degrees of freedom of a model, and for each body the reason."""
+"""Degrees of freedom of a model, with the reason for each body."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ Row = dict[str, str | list[str]]
 
 
 def explain_freedoms(scene: Scene, model: Model) -> list[Row]:
-    """Say why each coordinate is there.
+    """Return the reason for each degree of freedom.
 
     Parameters
     ----------
@@ -50,12 +50,12 @@ def _reference(scene: Scene, model: Model) -> Iterator[Row]:
 
 
 def _driven(model: Model) -> list[Body]:
-    """Return the bodies whose speed is held."""
+    """Return the bodies with prescribed speed."""
     return [body for body in model.bodies if body.turning == "driven"]
 
 
 def _shifts(scene: Scene, body: Body) -> Iterator[str]:
-    """Say why a body moves sideways."""
+    """Say why a body has lateral motion."""
     if not body.lateral:
         return
     member = members(scene).get(body.name)
@@ -68,7 +68,7 @@ def _shifts(scene: Scene, body: Body) -> Iterator[str]:
 
 
 def _turns(model: Model, body: Body) -> Iterator[str]:
-    """Say why a body, with what is rigidly joined to it, turns against the rigid motion: what is flexible there."""
+    """Say which flexibility lets a body, with rigidly joined bodies, deviate from the rigid rotation."""
     if body.turning != "free":
         return
     joined = {body.name, *(other.name for other in model.bodies if other.leader == body.name)}

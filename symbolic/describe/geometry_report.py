@@ -42,7 +42,7 @@ def describe(scene: Scene) -> dict[str, dict[str, Entry]]:
 
 
 def load_warnings(scene: Scene) -> list[str]:
-    """Return one line for every mesh that no load reaches, in a scene that has loads."""
+    """Return one line for every unloaded mesh in a scene with loads."""
     if not scene.loads:
         return []
     rigid = train.motion(scene)[0]
@@ -93,7 +93,7 @@ def _mesh(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int)
 
 
 def _contact_ratio(stage: Planetary | Pair, one: Gear, two: Gear, sigma: int) -> float | None:
-    """Return the contact ratio of full-depth teeth; None without teeth, or where their tips would cut in."""
+    """Return the contact ratio of full-depth teeth; None without teeth, or with tip interference."""
     if stage.module is None or stage.pressure_angle is None or not (one.teeth and two.teeth):
         return None
     distance = gear_geometry.stage_distance(stage)
@@ -103,7 +103,7 @@ def _contact_ratio(stage: Planetary | Pair, one: Gear, two: Gear, sigma: int) ->
 
 
 def _mesh_frequency(name: str, stage: Planetary | Pair, speeds: dict[str, float]) -> float | None:
-    """Return teeth a second [Hz], seen from the carrier; None where no gear tells its teeth."""
+    """Return the mesh frequency [Hz], relative to the carrier; None if no gear has teeth."""
     frame = speeds[f"{name}.carrier"] if isinstance(stage, Planetary) else 0.0
     for part, gear in _wheels(stage).items():
         if gear.teeth:
@@ -112,7 +112,7 @@ def _mesh_frequency(name: str, stage: Planetary | Pair, speeds: dict[str, float]
 
 
 def tip_clearance(stage: Planetary) -> float | None:
-    """Return the room [m] between full-depth tip circles of the closest planets; None without teeth or neighbour."""
+    """Return the clearance [m] between full-depth tip circles of neighbouring planets; None if undefined."""
     planet = stage.planet
     if stage.planets < 2 or stage.module is None or stage.pressure_angle is None or planet.teeth is None:
         return None
@@ -138,9 +138,9 @@ def _members(scene: Scene, speeds: dict[str, float]) -> dict[str, Entry]:
 
 
 def _loads(scene: Scene, rigid: RigidMotion, speeds: dict[str, float]) -> dict[str, Entry]:
-    """Describe all loads; power is torque times speed, and what drives gives power to the train.
+    """Describe all loads; power is torque times speed, positive into the train.
 
-    What varies is told by its largest torque and by ``over_time``.
+    Loads over time have their largest torque and ``over_time``.
     """
     return {
         name: {
@@ -156,7 +156,7 @@ def _loads(scene: Scene, rigid: RigidMotion, speeds: dict[str, float]) -> dict[s
 
 
 def _law(load: Load) -> str:
-    """Say in words how a load varies; nothing where it does not."""
+    """Say in words how a load varies; empty if constant."""
     for pairs, factor, unit in ((load.speed_over_time, RPM, "r/min"), (load.torque_over_time, 1.0, "N m")):
         if pairs is not None:
             values = [value * factor for _, value in pairs]
@@ -181,7 +181,7 @@ def _torques(scene: Scene, rigid: RigidMotion) -> dict[str, float]:
 def _powers(
     scene: Scene, rigid: RigidMotion, speeds: dict[str, float]
 ) -> Iterator[tuple[str, float | None, float | None]]:
-    """Yield load, torque [N m] and power [W]; one held speed that turns supplies, without losses, what is missing."""
+    """Yield load, torque [N m] and power [W]; one prescribed nonzero speed supplies the balance, without losses."""
     held = [name for name, load in scene.loads.items() if load.speed or load.speed_over_time]
     torques = _torques(scene, rigid)
     missing = -sum(torques[name] * speeds[load.member] for name, load in scene.loads.items()) + 0.0

@@ -1,4 +1,4 @@
-"""Overview: a scene and its model in plain numbers, what ``ltcgear info`` shows."""
+"""Overview of a scene and its model in plain numbers, shown by ``ltcgear info``."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from .variants import acting_effects
 
 
 def survey(scene: Scene, model: Model, manifest: Manifest) -> dict[str, Any]:
-    """Return sizes, effects, freedoms, geometry, motion and loads, ready for JSON.
+    """Return sizes, effects, degrees of freedom, geometry, motion and loads, ready for JSON.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Variants of a scene: without one effect, and what each effect does in it."""
+"""Variants of a scene without one effect, and the contribution of each effect."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ def with_value(scene: Scene, effect: str, value: str) -> Scene:
 
 
 def list_changes(scene: Scene, model: Model) -> list[Change]:
-    """List how a scene can be made simpler, one effect at a time.
+    """List the simplifications of a scene, one effect at a time.
 
     Parameters
     ----------
@@ -37,14 +37,14 @@ def list_changes(scene: Scene, model: Model) -> list[Change]:
     Returns
     -------
     list of Change
-        Every effect that acts, replaced by the value that leaves it out; and every other value of an effect
-        that takes freedoms away. A change that contradicts another effect is among them, an idle effect is not.
+        Every active effect at the value without it, and every other value of an effect that removes degrees of freedom.
+        Changes that contradict another effect are included, idle effects are not.
     """
     return [change for effect in EFFECTS for change in _changes_of(scene, model, effect.name)]
 
 
 def _changes_of(scene: Scene, model: Model, effect: str) -> Iterator[Change]:
-    """Yield the changes of one effect that make the scene simpler."""
+    """Yield the changes of one effect that simplify the scene."""
     value, plain = scene.effects[effect], BY_NAME[effect].without
     for other in BY_NAME[effect].values:
         if other == value:
@@ -67,12 +67,12 @@ def same_model(one: Model, two: Model) -> bool:
 
 
 def acting_effects(scene: Scene, model: Model) -> list[dict[str, str]]:
-    """Tell of every effect that is on what it does here.
+    """Describe the contribution of every active effect.
 
     Returns
     -------
     list of dict
-        ``effect``, ``value``, ``help`` of the table, and ``here``: what the model has more than without it.
+        ``effect``, ``value``, ``help`` of the table, and ``here``: what it adds to the model.
     """
     listed = []
     for effect in EFFECTS:
@@ -87,7 +87,7 @@ def acting_effects(scene: Scene, model: Model) -> list[dict[str, str]]:
 
 
 def _difference(plain: Model, model: Model) -> str:
-    """Say what a model has beside a plainer one."""
+    """Say what a model has in addition to a simpler one."""
     before, now = ({i.name + i.group: i for i in m.instances} for m in (plain, model))
     changed = [now[key] for key in now if key in before and now[key] != before[key]]
     old, new = plain.values(), model.values()
@@ -111,5 +111,5 @@ def _counted(instances: list[Instance], words: str) -> list[str]:
 
 
 def _number(count: int, one: str, several: str) -> str:
-    """Write a count of something; nothing where there is none."""
+    """Write a count of something; empty for zero."""
     return "" if count <= 0 else f"{count} {one if count == 1 else several}"

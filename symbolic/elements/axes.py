@@ -1,4 +1,4 @@
-"""Axes of motion: translations along, rotations about; the planar model is one choice of them."""
+"""Axes of motion, translational and rotational; the planar model is one choice of them."""
 
 from dataclasses import dataclass
 
@@ -12,9 +12,9 @@ class Axis:
     name, rate
         Letter of the coordinate and of its rate in the laws of elements.
     rotation
-        Whether a body turns about the axis; else it moves along it.
+        Whether the motion is a rotation about the axis; else it is a translation along it.
     deviation
-        Letter of the coordinate that is integrated: what is left of the first beside the rigid motion.
+        Letter of the integrated coordinate: the deviation of the first from the rigid motion.
     """
 
     name: str
@@ -44,4 +44,4 @@ PLANE = (X, Y, THETA)
 """Axes of a body in the plane."""
 SIDEWAYS = (X, Y)
 DEVIATIONS = {axis.deviation: axis for axis in PLANE}
-"""Letter of a freedom -> its axis."""
+"""Letter of a degree of freedom -> its axis."""

@@ -17,7 +17,7 @@ class Port:
     tag
         End of the names of its symbols, such as ``_1``.
     axes
-        The axes that the element knows.
+        Axes that the element uses.
     """
 
     tag: str
@@ -25,7 +25,7 @@ class Port:
 
     @classmethod
     def numbered(cls, number: int, axes: tuple[Axis, ...] = PLANE) -> "Port":
-        """Make the port of the ``number``-th body, its symbols carrying that number."""
+        """Make the port of the ``number``-th body; its symbols carry that number."""
         return cls(f"_{number}", axes)
 
     @property
@@ -68,7 +68,7 @@ class Port:
 
 
 Wrench = Mapping[tuple[Port, Axis], sp.Expr]
-"""Force or torque on a port along or about an axis [N, N m]; what is not listed is zero."""
+"""Force or torque on a port along or about an axis [N, N m]; axes not listed are zero."""
 
 
 def load_on(port: Port, fx: sp.Expr, fy: sp.Expr, torque: sp.Expr = sp.S.Zero) -> dict[tuple[Port, Axis], sp.Expr]:
@@ -85,7 +85,7 @@ class Output:
     expression, unit
         What it is.
     quantity
-        Name under which runs tell it; empty where only the model itself needs it.
+        Name in results; empty if only the model itself needs it.
     axis
         The axis of which it is a component, if any.
     """
@@ -100,24 +100,21 @@ class Output:
 class Element:
     r"""An interaction of bodies, in its own few coordinates.
 
-    Two descriptions that share nothing but symbols stand side by side. Energies give
-    Lagrange's generalised forces,
+    It has two descriptions that share nothing but symbols. Energies give Lagrange's generalised forces,
 
     .. math:: Q = -\partial V/\partial q - \partial D/\partial\dot q ,
 
-    and ``wrench`` is what Newton's laws need: force and torque on each port, written by hand.
-    ``checks.agree`` proves that they are the same. An element is frame-invariant (it may be
-    evaluated in a turning basis) unless ``rates`` is ``"absolute"``, in which case velocities
-    must be those against the ground, resolved in the basis, or ``"deviation"``, in which case they
-    must be those in the turning frame, whatever the basis.
+    and ``wrench`` is the input of Newton's laws: force and torque on each port, written by hand. ``checks.agree``
+    proves that they are the same. An element is frame-invariant (it may be evaluated in a rotating basis) unless
+    ``rates`` is ``"absolute"`` (velocities relative to the ground, resolved in the basis) or ``"deviation"``
+    (velocities in the rotating frame, whatever the basis).
 
     Attributes
     ----------
     title
-        Plain name in the field, options left out.
+        Name in the field, without options.
     joins
-        Kind of connection that it belongs to (``mesh``, ``pin``, ``bearing``, ...), which is the dimension of its
-        outputs; empty where it is none.
+        Kind of connection (``mesh``, ``pin``, ``bearing``, ...), which is the dimension of its outputs; empty if none.
     ports
         The bodies it joins.
     parameters
@@ -127,15 +124,15 @@ class Element:
     wrench
         (port, axis) -> force or torque on it [N, N m].
     outputs
-        What a user may want to see of it.
+        Quantities for results.
     source
         Equation number or citation.
     gradient
-        False where the wrench is not the gradient of the potential by design (the paper's mesh law).
+        False if by design the wrench is not the gradient of the potential (the paper's mesh law).
     load
-        True where it acts from outside: its power is given to the train, its energies are no energy of the train.
+        True for an external load: its power is input, and its energies do not belong to the train.
     closed
-        False where the housing takes a part that is not written, so that the ports alone are not in balance.
+        False if an unwritten reaction acts on the housing, so that the ports alone are not in balance.
     """
 
     title: str
@@ -154,7 +151,7 @@ class Element:
 
     @property
     def freedoms(self) -> tuple[tuple[Port, Axis], ...]:
-        """Return the axes of all ports, port by port: the order of coordinates, rates and loads."""
+        """Return the degrees of freedom of all ports, port by port: the order of coordinates, rates and loads."""
         return tuple((port, axis) for port in self.ports for axis in port.axes)
 
     @property
@@ -180,17 +177,17 @@ class Element:
 
 Law = Callable[..., Element]
 TYPES: dict[str, Law] = {}
-"""Name of an element type -> the function that writes it, given its options."""
+"""Name of an element type -> the function that writes it for given options."""
 
 
 def element_type(law: Law) -> Law:
-    """Enter a function that writes an element into the list of element types, under its own name."""
+    """Register a function that writes an element as an element type, under its own name."""
     TYPES[law.__name__] = law
     return law
 
 
 class LogCosh(sp.Function):  # type: ignore[misc]  # SymPy is untyped
-    """ln cosh z, the pseudo-potential of tanh z; of its own so that its derivative never overflows."""
+    """ln cosh z, the pseudo-potential of tanh z; a class of its own so that its derivative never overflows."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """Return tanh z."""

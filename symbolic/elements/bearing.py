@@ -14,7 +14,7 @@ MU, DB, CR, OMEGA0, EPS = (positive(n) for n in ("mu", "d_b", "c_r", "omega_0", 
 
 
 def pin_place() -> tuple[sp.Expr, sp.Expr]:
-    """Return the arm from the carrier's centre to the pin's nominal place [m], turned with the carrier."""
+    """Return the arm from the carrier's centre to the pin's nominal position [m], rotated with the carrier."""
     cos, sin = sp.cos(CARRIER.theta), sp.sin(CARRIER.theta)
     return X0 * cos - Y0 * sin, X0 * sin + Y0 * cos
 
@@ -26,14 +26,14 @@ def pin_deflection() -> tuple[sp.Expr, sp.Expr]:
 
 
 def pin_speed() -> tuple[sp.Expr, sp.Expr]:
-    """Return the planet's velocity against the turning carrier."""
+    """Return the planet's velocity relative to the rotating carrier."""
     rx, ry = PLANET.x - CARRIER.x, PLANET.y - CARRIER.y
     return PLANET.vx - CARRIER.vx + CARRIER.omega * ry, PLANET.vy - CARRIER.vy - CARRIER.omega * rx
 
 
 @element_type
 def pin(damped: bool) -> Element:
-    """Write the planet bearing, eqs 29-30; its damper sees the motion against the turning carrier."""
+    """Write the planet bearing, eqs 29-30; its damper acts on the motion relative to the rotating carrier."""
     ux, uy = pin_deflection()
     ax, ay = pin_place()
     rx, ry = PLANET.x - CARRIER.x, PLANET.y - CARRIER.y
@@ -56,7 +56,7 @@ def pin(damped: bool) -> Element:
 
 @element_type
 def pin_friction() -> Element:
-    """Write the friction torque of the planet bearing, eq 30 with the speed's sign made dissipative."""
+    """Write the friction torque of the planet bearing, eq 30 with the sign of the speed corrected to be dissipative."""
     return rubbing_pin("planet bearing friction", K, {K: "N/m", X0: "m", Y0: "m"})
 
 

@@ -1,12 +1,12 @@
-r"""Bearings with radial clearance: no force before the displacement has used the clearance up.
+r"""Bearings with radial clearance: no force until the displacement exceeds the clearance.
 
 With the displacement :math:`\mathbf u`, :math:`r = \sqrt{u^2 + \epsilon^2}` and the clearance c,
 
 .. math:: V = k\langle r - c\rangle^2/2, \qquad \mathbf F = -k\langle r - c\rangle\,\mathbf u/r ;
 
-the damper acts in contact only. The small length :math:`\epsilon` keeps the force's slope finite at the centre,
-and without clearance the law is that of a linear bearing, whatever it is. ``closing`` (0 in every run) takes a part
-of the clearance away while the loaded equilibrium is sought.
+the damper acts in contact only. The small length :math:`\epsilon` keeps the force's slope finite at the centre; for any
+:math:`\epsilon`, zero clearance gives a linear bearing. ``closing`` (0 in every run) reduces the clearance during the
+search for the loaded equilibrium.
 """
 
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ CLEARANCE, CLOSING, ROUNDING = positive("clearance"), real("closing"), positive(
 
 @dataclass(frozen=True)
 class Race:
-    """What a bearing's displacement (u_x, u_y) [m] does: how far it lies beyond the clearance, in what direction."""
+    """Contact of a bearing at the displacement (u_x, u_y) [m]: penetration beyond the clearance, and direction."""
 
     ux: sp.Expr
     uy: sp.Expr
@@ -40,7 +40,7 @@ class Race:
 
     @property
     def touching(self) -> sp.Expr:
-        """Return whether the race is reached."""
+        """Return whether the bearing is in contact."""
         return Switch(self.reach, HOLD)
 
     @property
@@ -54,7 +54,7 @@ class Race:
         return K * self.reach**2 / 2 * self.touching
 
     def damping(self, damped: bool) -> sp.Expr:
-        """Return the damper that acts [N s/m]."""
+        """Return the active damping [N s/m]."""
         return C * self.touching if damped else sp.S.Zero
 
 
@@ -91,7 +91,7 @@ def ground_clearance(damped: bool) -> Element:
 
 @element_type
 def pin_clearance(damped: bool) -> Element:
-    """Write the planet bearing with clearance; its damper sees the motion against the turning carrier."""
+    """Write the planet bearing with clearance; its damper acts on the motion relative to the rotating carrier."""
     race = Race(*pin_deflection())
     k, c = race.secant, race.damping(damped)
     ax, ay = pin_place()
@@ -118,6 +118,6 @@ def pin_clearance(damped: bool) -> Element:
 
 @element_type
 def pin_clearance_friction() -> Element:
-    """Write the friction torque of the planet bearing with clearance, by the load that it carries."""
+    """Write the friction torque of the planet bearing with clearance, from its load."""
     title = "friction of the planet bearing with clearance"
     return rubbing_pin(title, Race(*pin_deflection()).secant, parameters(False))

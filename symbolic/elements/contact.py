@@ -1,9 +1,9 @@
-r"""Regimes of a law: smooth on either side of a border, and which side holds.
+r"""Event functions of element laws, and switches that keep a law smooth between events.
 
-A border is where an indicator g passes through zero: teeth that come to push or cease to, a race that is
-reached. ``Switch`` is 1 where g > 0 and 0 elsewhere, and so by the state alone; but while an integrator
-goes from border to border, ``hold`` (a force or length beyond all others, 0 by default) keeps the side
-on which it began, so that what it integrates has no kink and the border can be located as a zero of g.
+A border is a zero of an event function g: teeth or a bearing come into contact or separate. By default ``Switch``
+depends on the state alone, 1 where g > 0 and 0 elsewhere. During integration from border to border, ``hold`` (a force
+or length larger than all others, 0 by default) keeps the initial side. So the right-hand side has no kink, and the
+border can be located as a zero of g.
 """
 
 import sympy as sp
@@ -14,7 +14,7 @@ HOLD = real("hold")
 
 
 class Step(sp.Function):  # type: ignore[misc]  # SymPy is untyped
-    """1 where z > 0, else 0, whatever is held."""
+    """1 where z > 0, else 0, independent of any hold."""
 
     def _eval_derivative(self, symbol: sp.Symbol) -> sp.Expr:
         """Return 0, the slope on either side."""
@@ -22,7 +22,7 @@ class Step(sp.Function):  # type: ignore[misc]  # SymPy is untyped
 
 
 class Switch(sp.Function):  # type: ignore[misc]
-    """1 where g + hold > 0, else 0: its arguments are the indicator g and what holds a side."""
+    """1 where g + hold > 0, else 0: its arguments are the event function g and ``hold``."""
 
     def _eval_derivative(self, symbol: sp.Symbol) -> sp.Expr:
         """Return 0, the slope on either side."""
@@ -30,7 +30,7 @@ class Switch(sp.Function):  # type: ignore[misc]
 
 
 class Rest(sp.Function):  # type: ignore[misc]
-    """1 where z > 0 although the switch of the first two arguments is 0: touching without a push."""
+    """1 where z > 0 although the switch of the first two arguments is 0: contact without force."""
 
     def _eval_derivative(self, symbol: sp.Symbol) -> sp.Expr:
         """Return 0, the slope on either side."""
@@ -38,11 +38,11 @@ class Rest(sp.Function):  # type: ignore[misc]
 
 
 class Lesser(sp.Function):  # type: ignore[misc]
-    """The smaller of two; an indicator only, never differentiated."""
+    """The smaller of two; for event functions only, never differentiated."""
 
 
 class Given(sp.Function):  # type: ignore[misc]
-    """A quantity that is computed elsewhere, over an argument z: its arguments are z, its value and its slope there."""
+    """A quantity computed elsewhere as a function of z: its arguments are z, its value and its slope there."""
 
     def fdiff(self, argindex: int = 1) -> sp.Expr:
         """Return the slope; the value's own argument is not varied."""

@@ -1,4 +1,4 @@
-"""Element types by key: laws written with their options, dead axes put to zero."""
+"""Element types by key: laws written for their options, dead axes set to zero."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,14 +25,14 @@ def make(key: ElementKey) -> Element:
 
 
 def keep_axes(element: Element, live: Sequence[Sequence[str]]) -> Element:
-    """Put the coordinates of dead axes to zero in an element, and leave out what acts along them.
+    """Set the coordinates of dead axes to zero in an element, and omit loads along them.
 
     Parameters
     ----------
     element
-        The element with all axes that its law knows.
+        The element with all axes that its law uses.
     live
-        Names of the axes that stay, for each port.
+        Names of the axes to keep, for each port.
     """
     kept = {
         port: replace(port, axes=tuple(axis for axis in port.axes if axis.name in names))

@@ -1,4 +1,4 @@
-"""Weight of a member in a basis that may turn."""
+"""Weight of a member in a basis that may rotate."""
 
 import sympy as sp
 
@@ -11,7 +11,7 @@ GX, GY, BASIS = real("g_x"), real("g_y"), real("beta")
 
 @element_type
 def gravity() -> Element:
-    """Write the weight; ``beta`` is the angle by which the basis has turned (zero in the paper's)."""
+    """Write the weight; ``beta`` is the rotation angle of the basis (zero in the paper's)."""
     body = Port.numbered(1, SIDEWAYS)
     cos, sin = sp.cos(BASIS), sp.sin(BASIS)
     gx, gy = GX * cos + GY * sin, GY * cos - GX * sin

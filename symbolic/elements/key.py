@@ -1,6 +1,6 @@
-"""Key of an element type: which law, with which options, between bodies that move along which axes.
+"""Key of an element type: its law, options, and the live axes of its bodies.
 
-Nothing here needs SymPy: a model is put together from keys, and laws are written only where C is to be derived.
+Nothing here needs SymPy: a model is assembled from keys, and laws are written only when C is derived.
 """
 
 import re
@@ -18,9 +18,9 @@ class ElementKey:
     type
         Name of the law, such as ``mesh``.
     options
-        Options of the law with their values, by name; those left out have the law's own default.
+        Options of the law with their values, by name; omitted options have the law's default.
     live
-        Names of the axes along which each port's body can be anywhere but at zero; empty for all that the law knows.
+        Names of the axes on which each port's body can be away from zero; empty for all that the law uses.
     """
 
     type: str

@@ -1,10 +1,10 @@
-r"""Gear mesh: a spring-damper on the line of action, fixed in space, floating over the turning teeth.
+r"""Gear mesh: a spring-damper along the line of action.
 
 External and internal meshes are one law with a sign, :math:`\sigma = +1` (sun-planet, parallel pair)
 or :math:`\sigma = -1` (ring-planet); the two flanks are one law with a sign :math:`s`, +1 for the
 flank the paper prints. Body 1 is the sun or ring, body 2 the planet. With
 :math:`c = r_1 + \sigma r_2`, centre distance :math:`d`, :math:`\cos\alpha = c/d`,
-:math:`\mathbf e` from 1 to 2, :math:`\mathbf t` at a right angle to it and the rolling deflection
+:math:`\mathbf e` from 1 to 2, :math:`\mathbf t` perpendicular to it and the rolling deflection
 :math:`w = r_1(\theta_1-\Delta\gamma) + \sigma r_2(\theta_2-\Delta\gamma)`:
 
 involute (the exact involute, whose gradient is the unit line of action)
@@ -15,13 +15,12 @@ paper (Wu et al. 2021, eqs 7 and 23)
 and in both the force on body 2 is :math:`N(\sigma\sin\alpha\,\mathbf e + s\cos\alpha\,\mathbf t)`,
 the torques are :math:`-s r_1 N` and :math:`-\sigma s r_2 N` (eqs 12, 13, 25, 26).
 
-A bilateral mesh (the paper's) may pull; a one-flank mesh has :math:`N = k\langle\delta\rangle` and a damper
-that acts in contact only and never makes N negative: teeth push where both :math:`k\delta` and
-:math:`k\delta + c\dot\delta` are positive, and where the damper would pull harder than the spring pushes, it
-takes up just what the spring gives (``pull``, 0 in every run, lets it pull while the
-loaded equilibrium is sought). Errors of the teeth take their :math:`e` from the deflection and
-:math:`\dot e` from its rate. Backlash is two one-flank meshes, on s and -s, whose
-gap :math:`j` (along the line of action) is taken from the deflection of the second.
+A bilateral mesh (the paper's) may pull. A one-flank mesh has :math:`N = k\langle\delta\rangle`, and its damper acts in
+contact only: teeth push where both :math:`k\delta` and :math:`k\delta + c\dot\delta` are positive. Where the damper
+would pull harder than the spring pushes, it just cancels the spring, so N is never negative (``pull``, 0 in every run,
+lets it pull during the search for the loaded equilibrium). Tooth errors subtract :math:`e` from the deflection and
+:math:`\dot e` from its rate. Backlash is two one-flank meshes, on s and -s; the gap :math:`j` (along the line of
+action) is subtracted from the deflection of the second.
 """
 
 from dataclasses import dataclass
@@ -37,7 +36,7 @@ SIGN = {"external": 1, "internal": -1}
 
 @dataclass(frozen=True)
 class Geometry:
-    """The triangle of a mesh: everything its laws share (units [m], [rad])."""
+    """Mesh triangle: the geometry common to all mesh laws (units [m], [rad])."""
 
     sigma: int
     c: sp.Expr
@@ -63,7 +62,7 @@ class Geometry:
 
     @property
     def along(self) -> tuple[sp.Expr, sp.Expr]:
-        """Return the unit direction at a right angle to the line of action (eqs 15 and 28, one flank)."""
+        """Return the unit direction perpendicular to the line of action (eqs 15 and 28, one flank)."""
         return (
             (self.c * self.dx + self.sigma * S * self.h * self.dy) / self.d**2,
             (self.c * self.dy - self.sigma * S * self.h * self.dx) / self.d**2,
@@ -84,7 +83,7 @@ UNITS = {
 
 
 def geometry(kind: str) -> Geometry:
-    """Lay out the mesh triangle; the position angle is measured from (e_x, e_y) and never wraps."""
+    """Construct the mesh triangle; the position angle is measured from (e_x, e_y) and never wraps."""
     sigma = SIGN[kind]
     c = R1 + sigma * R2
     dx, dy = TWO.x - ONE.x, TWO.y - ONE.y
@@ -95,7 +94,7 @@ def geometry(kind: str) -> Geometry:
 
 
 def deflection(kind: str, law: str) -> sp.Expr:
-    """Return the normal composite deflection [m] of one law (see the module's head)."""
+    """Return the normal composite deflection [m] of one law (see the module docstring)."""
     g = geometry(kind)
     if law == "involute":
         return S * g.w - g.sigma * g.c * (g.h / g.c - g.alpha - INV0)
@@ -116,17 +115,17 @@ def stiffness(switched: bool) -> sp.Expr:
 
 
 def used(*expressions: sp.Expr) -> dict[sp.Symbol, str]:
-    """Return the mesh parameters that occur in the expressions, in the order of ``UNITS``."""
+    """Return the mesh parameters in the expressions, in the order of ``UNITS``."""
     free = set().union(*(sp.sympify(e).free_symbols for e in expressions))
     return {symbol: unit for symbol, unit in UNITS.items() if symbol in free}
 
 
 @dataclass(frozen=True)
 class MeshLaw:
-    """How motions become deflection [m] and its rate, and what acts on the ports.
+    """Mesh law: deflection [m] and its rate from the motion, and loads on the ports.
 
-    ``pressed`` is what a normal force of 1 N does, ``rolled`` what 1 N m does against the rolling angle of gear 1,
-    which it measures from the line of centres.
+    ``pressed`` is the wrench of a unit normal force [1 N], ``rolled`` that of 1 N m on the rolling angle of gear 1,
+    measured from the line of centres.
     """
 
     ports: tuple[Port, ...]
@@ -150,10 +149,10 @@ def plane_law(kind: str, law: str) -> MeshLaw:
 
 
 def torsional_law(kind: str, orbiting: bool) -> MeshLaw:
-    r"""Write the law of a mesh whose gears only turn.
+    r"""Write the law of a mesh whose gears only rotate.
 
-    :math:`\delta = s\,[r_1(\theta_1-\theta_3)+\sigma r_2(\theta_2-\theta_3)]`: the line of centres turns with
-    body 3, the carrier, where body 2 is a planet (``orbiting``), else it stands.
+    :math:`\delta = s\,[r_1(\theta_1-\theta_3)+\sigma r_2(\theta_2-\theta_3)]`: the line of
+    centres rotates with body 3, the carrier, if body 2 is a planet (``orbiting``), else it is fixed.
     """
     sigma, zero = SIGN[kind], sp.S.Zero
     ports = tuple(Port.numbered(number, (THETA,)) for number in ((1, 2, 3) if orbiting else (1, 2)))
@@ -182,7 +181,7 @@ def mesh(
     kind
         ``external`` or ``internal``.
     law
-        ``involute`` or ``paper``; ``torsional`` or ``orbiting`` where gears only turn, see `torsional_law`.
+        ``involute`` or ``paper``; ``torsional`` or ``orbiting`` for gears that only rotate, see `torsional_law`.
     switched
         Whether the stiffness follows a level.
     damped
@@ -190,9 +189,9 @@ def mesh(
     contact
         ``bilateral``, ``one-flank``, or ``gap`` (one flank behind a gap).
     error
-        Whether errors of the teeth take ``e`` from the deflection.
+        Whether tooth errors subtract ``e`` from the deflection.
     followed
-        Whether the stiffness is one of gear 1's own rolling angle, so that its slope is a torque on it.
+        Whether the stiffness depends on gear 1's own rolling angle, so that its slope gives a torque on the gear.
     """
     written = torsional_law(kind, law == "orbiting") if law in ("torsional", "orbiting") else plane_law(kind, law)
     delta, rate = written.deflection, written.rate
@@ -228,7 +227,7 @@ def mesh(
 
 
 def border_outputs(delta: sp.Expr, border: sp.Expr | None) -> dict[str, Output]:
-    """Return what a mesh whose teeth can part reports of its contact."""
+    """Return the contact outputs of a mesh whose teeth can separate."""
     if border is None:
         return {}
     return {"contact": Output(Step(delta), "", "mesh_contact"), "border": Output(border, "N")}
@@ -236,9 +235,9 @@ def border_outputs(delta: sp.Expr, border: sp.Expr | None) -> dict[str, Output]:
 
 @dataclass(frozen=True)
 class NormalForce:
-    """A normal force [N], the damper's part of it, its potential over the stiffness [m^2], its dissipation [W].
+    """Normal force [N], the damper's part of it, its potential over the stiffness [m^2], its dissipation [W].
 
-    ``border`` is the indicator [N] that is positive where the teeth push; a bilateral mesh has none.
+    ``border`` is the event function [N], positive where the teeth push; a bilateral mesh has none.
     """
 
     force: sp.Expr

@@ -1,15 +1,15 @@
-r"""Tangential mesh force at the pitch point: the paper's, made dissipative.
+r"""Mesh friction at the pitch point: the paper's force, made dissipative.
 
-The paper's force (eqs 14 and 27) is :math:`(\mu N + c\,\dot\delta_t)\operatorname{sgn}\dot\delta_t`:
-its viscous part is positive whatever the direction, so it feeds energy. Here the force opposes the
-relative speed :math:`v_t` of the two bodies at the pitch point, at a right angle to the line of action,
+The paper's force (eqs 14 and 27) is :math:`(\mu N + c\,\dot\delta_t)\operatorname{sgn}\dot\delta_t`: its viscous part
+is positive in either direction, so it supplies energy. Here the force opposes the relative speed :math:`v_t` of the two
+bodies at the pitch point, perpendicular to the line of action,
 
 .. math:: F = -(\mu |N| \tanh(v_t/v_0) + c_t v_t), \qquad
           v_t = \dot d\cos\alpha + \sigma s \tan\alpha\,
           [r_1(\omega_1-\dot\gamma) + \sigma r_2(\omega_2-\dot\gamma)],
 
-with the paper's moment arms :math:`r\tan\alpha` (eqs 32, 34). N is the spring's part of the normal force,
-nothing where teeth have parted.
+with the paper's moment arms :math:`r\tan\alpha` (eqs 32, 34). N is the spring's part of the normal force, zero where
+teeth have separated.
 """
 
 import sympy as sp
@@ -22,7 +22,7 @@ MU, CT, V0 = (positive(n) for n in ("mu", "c_t", "v_0"))
 
 
 def sliding_speed(kind: str) -> sp.Expr:
-    """Return v_t [m/s], body 2 against body 1, at the pitch point."""
+    """Return v_t [m/s], body 2 relative to body 1, at the pitch point."""
     g = geometry(kind)
     mx, my = g.along
     turning = g.sigma * S * (g.h / g.c) * (R1 * ONE.omega + g.sigma * R2 * TWO.omega)
@@ -30,9 +30,9 @@ def sliding_speed(kind: str) -> sp.Expr:
 
 
 def pressed(kind: str, law: str, switched: bool, contact: str, error: bool) -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """Return |N| [N], the spring's part, whether flanks touch, and the border between [N].
+    """Return |N| [N] (the spring's part), whether flanks touch, and the event function of contact [N].
 
-    A bilateral mesh presses on either side of the border, one on one flank on its positive side only.
+    A bilateral mesh is in contact on both sides of the border, a one-flank mesh on its positive side only.
     """
     delta = deflection(kind, law) - (ERROR if error else 0) - (GAP if contact == "gap" else 0)
     normal = stiffness(switched) * delta

@@ -1,7 +1,7 @@
-r"""Sliding friction of a mesh: Coulomb's law at each pair of teeth that touches.
+r"""Sliding friction of a mesh: Coulomb's law at each tooth pair in contact.
 
-With n the unit force on body 2, m at a right angle to it (``Geometry.along``) and a contact at
-:math:`P + \xi n` (see ``tooth_pairs``), body 2 slides against body 1 along m at
+With n the unit force on body 2, m perpendicular to it (``Geometry.along``) and a contact at
+:math:`P + \xi n` (see ``tooth_pairs``), body 2 slides on body 1 along m at
 
 .. math:: v = v_P - s\,\xi\,(\omega_2 - \omega_1),
 
@@ -10,8 +10,8 @@ With n the unit force on body 2, m at a right angle to it (``Geometry.along``) a
 .. math:: F = -\mu\,w\,|N|\tanh(v/v_0), \qquad
           T_1 = s F (\sigma r_1\tan\alpha + \xi), \qquad T_2 = s F (r_2\tan\alpha - \xi),
 
-w the pair's part of the load and N the spring's part of the normal force. It changes its direction where a
-contact passes the pitch point. Speeds are those against the ground: it is the rigid rotation that slides.
+where w is the pair's share of the load and N the spring's part of the normal force. It reverses where a contact passes
+the pitch point. Speeds are relative to the ground, since the sliding comes from the rigid rotation.
 """
 
 import sympy as sp

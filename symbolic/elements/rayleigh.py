@@ -1,8 +1,8 @@
-r"""The mass-proportional part of Rayleigh damping, on what a body does beside the rigid motion of its train.
+r"""Mass-proportional part of Rayleigh damping, on a body's deviation from the rigid motion of its train.
 
-With :math:`\alpha` in 1/s, :math:`D = \alpha (m |\mathbf v|^2 + I\dot u^2)/2`, v and u' being the rates in the turning
-frame, so that the rigid motion itself is not slowed down. The stiffness-proportional part needs no element
-of its own: every spring has a damper :math:`c = \beta k`.
+With :math:`\alpha` in 1/s, :math:`D = \alpha (m |\mathbf v|^2 + I\dot u^2)/2`, v and u' being the rates in the rotating
+frame, so that the rigid motion itself is not damped. The stiffness-proportional part needs no element: every spring has
+a damper :math:`c = \beta k`.
 """
 
 import sympy as sp

@@ -68,7 +68,7 @@ def drag() -> Element:
 
 @element_type
 def external_torque() -> Element:
-    """Write a torque given from outside, T in eqs 31-38."""
+    """Write an external torque, T in eqs 31-38."""
     return Element(
         title="load torque",
         joins="load",
@@ -91,9 +91,9 @@ def slip_torque() -> Element:
 
     .. math:: T = -\frac{2 T_b}{z + 1/z} = -2 T_b\,\frac{z}{1 + z^2} ,
 
-    which brakes above the synchronous speed, whichever way that is. The stator's resistance is left out, so
-    braking and driving breakdown torques are alike. The dissipation function is one for the law's slope only:
-    the torque is a load, and its power may be positive.
+    which brakes above the synchronous speed, in either direction. The stator's resistance is neglected, so braking and
+    driving breakdown torques are equal. The dissipation function serves for the slope only: the torque is a load, and
+    its power may be positive.
     """
     z = (ONE.omega - OMEGA_S) / OMEGA_B
     torque = -2 * T_B * z / (1 + z**2)

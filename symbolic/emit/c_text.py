@@ -27,11 +27,11 @@ FOOT = """\
 } /* extern "C" */
 #endif
 """
-"""What CasADi puts around C when it writes it into a file; no file is needed, so none that could be cut short."""
+"""Text that CasADi puts around C in a file; adding it here avoids a file that could be truncated."""
 
 
 def functions(equations: Equations) -> dict[str, ca.Function]:
-    """Make the functions of the contract, common subexpressions joined, in the contract's order."""
+    """Make the functions of the contract in its order, with common subexpressions merged."""
     x, s, p = equations.x, equations.s, equations.p
     rhs = _function("rhs", [x, s, p], [equations.xdot], ["x", "s", "p"], ["xdot"], [True, False, False])
     return {
@@ -46,7 +46,7 @@ def functions(equations: Equations) -> dict[str, ca.Function]:
 
 
 def _motion(equations: Equations) -> list[ca.SX]:
-    """Return what one stage of an integration needs: xdot, power put in less power lost, mesh forces."""
+    """Return the function of one integrator stage: xdot, input power less loss, mesh forces."""
     _, _, _, given, lost = ca.vertsplit(equations.energy)
     meshes = [i for i, report in enumerate(equations.reports) if report.quantity == "mesh_force"]
     return [equations.xdot, given - lost, ca.vertcat(*(equations.outputs[i] for i in meshes))]
@@ -56,13 +56,13 @@ def _function(
     name: str, arguments: list[ca.SX], results: list[ca.SX], names: list[str], out: list[str],
     differentiable: list[bool] | None = None,
 ) -> ca.Function:  # fmt: skip
-    """Make one function with common subexpressions joined."""
+    """Make one function with common subexpressions merged."""
     options = {"is_diff_in": differentiable} if differentiable else {}
     return ca.Function(name, arguments, ca.cse([ca.densify(r) for r in results]), names, out, options)
 
 
 def _joined(function: ca.Function) -> ca.Function:
-    """Join the common subexpressions of a function, its sparsity kept."""
+    """Merge the common subexpressions of a function, keeping its sparsity."""
     arguments = function.sx_in()
     results = ca.cse(function.call(arguments))
     return ca.Function(function.name(), arguments, results, function.name_in(), function.name_out())
@@ -74,7 +74,7 @@ def emit(model: Model, equations: Equations) -> Artifact:
     Parameters
     ----------
     model, equations
-        What to emit.
+        Model and equations to emit.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def c_text(made: list[ca.Function]) -> str:
 
 
 def _signature(function: ca.Function) -> Signature:
-    """Describe a function; loads and stores are not counted as operations."""
+    """Return the signature of a function; loads and stores do not count as operations."""
     shapes_in = [(function.name_in(i), *function.size_in(i)) for i in range(function.n_in())]
     shapes_out = [(function.name_out(i), *function.size_out(i)) for i in range(function.n_out())]
     moves = (ca.OP_INPUT, ca.OP_OUTPUT, ca.OP_CONST)

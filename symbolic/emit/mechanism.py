@@ -7,11 +7,11 @@ from ..elements.mesh import SIGN
 from ..mechanics.model import Body, Instance, Model
 
 SINGLE, DAMPER, LEVELS = ("k", "k_t"), ("c", "c_t"), ("k_1", "k_2")
-"""What elements call a stiffness, a damper, and the stiffnesses between which a mesh level chooses."""
+"""Parameter names of a stiffness, a damper, and the two stiffnesses of a mesh level."""
 
 
 def list_bodies(model: Model) -> tuple[RigidBody, ...]:
-    """List the members of the train; points of theirs are no members."""
+    """List the members of the train, without points on them."""
     members = [body for body in model.bodies if body.turning != "point"]
     gears = _gears(list_connections(model))
     carriers = {body.ratio: body.name for body in members if body.part == "carrier"}
@@ -25,14 +25,14 @@ def list_bodies(model: Model) -> tuple[RigidBody, ...]:
 
 
 def list_connections(model: Model) -> tuple[Connection, ...]:
-    """List what joins the members, in the order of their outputs."""
+    """List the connections of members, in the order of their outputs."""
     seats = {body.name: _seat(body) for body in model.bodies}
     teeth = {phase.name: phase.teeth for phase in model.phases}
     return tuple(_connection(item, seats, teeth) for item in model.instances if item.family)
 
 
 def _seat(body: Body) -> str:
-    """Return the member that a body is, or that it is a point of."""
+    """Return the member of a body or of a point on it."""
     return body.seat or body.name if body.turning == "point" else body.name
 
 

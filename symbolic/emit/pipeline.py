@@ -14,20 +14,20 @@ from ..mechanics.model import Model
 
 @cache
 def _surroundings() -> str:
-    """Return the digest of all that decides, beside a structure, what is derived: source text, versions at work."""
+    """Return the digest of source text and package versions, which determine the C together with a structure."""
     from importlib.metadata import version
 
     return store.digest([_sources(), version("casadi"), version("sympy")])
 
 
 def _sources() -> str:
-    """Return the text of all that turns a structure into C, and checks it: every module of ``symbolic``."""
+    """Return the source text that derives and checks C: every module of ``symbolic``."""
     home = Path(__file__).parents[1]
     return "\n".join(path.read_text("utf-8") for path in sorted(home.rglob("*.py")))
 
 
 def content_key(model: Model) -> str:
-    """Return the key under which a model's C is kept: structure, source text of the equations, versions at work."""
+    """Return the key of a model's C in the store: structure, source text of the equations, package versions."""
     return store.digest([model.structure(), _surroundings()])
 
 
@@ -44,7 +44,7 @@ def generate(model: Model, told: Callable[[str, float], None] = lambda stage, se
     Raises
     ------
     CheckError
-        If Lagrange's and Newton's equations do not agree; nothing is emitted then.
+        If Lagrange's and Newton's equations disagree; nothing is emitted then.
     """
     from ..checks.agree import agreement
     from ..mechanics.equations import derive
@@ -71,7 +71,7 @@ def generate(model: Model, told: Callable[[str, float], None] = lambda stage, se
 def obtain(
     model: Model, told: Callable[[str, float], None] = lambda stage, seconds: None, fresh: bool = False
 ) -> Artifact:
-    """Return a model's C from the store; where it is not there, or ``fresh`` is wanted, generate and keep it.
+    """Return a model's C from the store; if it is missing, or with ``fresh``, generate and store it.
 
     Raises
     ------

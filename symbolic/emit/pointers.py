@@ -1,8 +1,8 @@
-"""Pointer checks of the C text: each argument of a CasADi function is looked at once.
+"""Pointer checks of the C text: each argument of a CasADi function is checked once.
 
-CasADi lets a caller leave out an argument, which is zero then, or a result, which nobody wants then, and asks so
-at every number read or written. Hundreds of branches cut the text into blocks: without them a right-hand side
-takes a tenth less time and a compiler half as long.
+CasADi allows null pointers for arguments (zero) and results (not wanted), and checks them at every number read or
+written. The hundreds of branches split the text into blocks: without them a right-hand side takes a tenth less time and
+a compiler half as long.
 """
 
 import re
@@ -13,7 +13,7 @@ WRITE = re.compile(r"if \(res\[(\d+)\]!=0\) res\[\1\]\[(\d+)\]")
 
 
 def look_once(text: str) -> str:
-    """Look at the pointers of every function where it begins.
+    """Check the pointers of every function at its start.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ def look_once(text: str) -> str:
     Returns
     -------
     str
-        The same functions: an argument left out is read from zeros, results left out are written to nowhere.
+        The same functions: null arguments are read from zeros, null results are written to a dummy.
     """
     zeros, first = _sizes(READ, text), BODY.search(text)
     if first is None:
@@ -33,7 +33,7 @@ def look_once(text: str) -> str:
 
 
 def _function(match: re.Match[str]) -> str:
-    """Write one function anew."""
+    """Rewrite one function."""
     opening, body = match[0].split("\n", 1)
     read, written = _sizes(READ, body), _sizes(WRITE, body)
     lines = [f"  const casadi_real* u{i} = arg[{i}]? arg[{i}] : casadi_zeros;" for i in read]
@@ -43,7 +43,7 @@ def _function(match: re.Match[str]) -> str:
 
 
 def _sizes(pattern: re.Pattern[str], body: str) -> dict[int, int]:
-    """Return pointer -> the numbers it must have, in order."""
+    """Return pointer -> its required size, in order."""
     sizes: dict[int, int] = {}
     for pointer, number in pattern.findall(body):
         sizes[int(pointer)] = max(sizes.get(int(pointer), 0), int(number) + 1)

@@ -18,26 +18,26 @@ from ..schema.series import Pairs
 from .pipeline import content_key, obtain
 
 LABELS = ("source", "title")
-"""What a scene says that no number depends on."""
+"""Keys of a scene that affect no number."""
 
 
 class Template:
-    """A scene of which variants are made, each by what it puts in place of the scene's values.
+    """A scene of which variants are made, each by replacing values of the scene.
 
-    Text and tables are read when it is made. CSV files are read once, by the first variant that names them; a copy in
-    another process knows them, and needs no file.
+    Text and tables are read at construction. CSV files are read once, by the first variant that names them; a copy in
+    another process has them and needs no file.
 
     Parameters
     ----------
     source
-        Name of a shipped scene, path of a TOML file, or what ``read_source`` returned for one of these.
+        Name of a shipped scene, path of a TOML file, or the result of ``read_source``.
     changes
         Dotted key -> value for all variants, as ``load_scene`` takes them.
 
     Raises
     ------
     SceneError
-        If the scene cannot be read, or a key leads nowhere.
+        If the scene cannot be read, or a key does not exist.
     """
 
     def __init__(self, source: str | Path | Source, changes: Mapping[str, str] | None = None) -> None:
@@ -72,7 +72,7 @@ class Template:
     def obtain(
         self, changes: Mapping[str, str], told: Callable[[str, float], None] = lambda stage, seconds: None
     ) -> Artifact:
-        """Return a variant's C from the store; what is not there is derived, checked and kept.
+        """Return a variant's C from the store; if missing, it is derived, checked and stored.
 
         Raises
         ------
@@ -84,26 +84,26 @@ class Template:
         return obtain(build_model(self.scene(changes)), told)
 
     def times(self, changes: Mapping[str, str]) -> tuple[float, float | None]:
-        """Return the time to simulate [s] and the samples a second [Hz] that a variant's scene asks for.
+        """Return the simulated time [s] and the sampling rate [Hz] of a variant's scene.
 
-        Without a rate, one is to be chosen.
+        Without a rate, the caller chooses one.
         """
         simulation = self.scene(changes).simulation
         return simulation.t_end, simulation.rate
 
     def entries(self) -> dict[str, Any]:
-        """Return all that numbers depend on, by dotted key, so that two templates can be compared."""
+        """Return all keys and values that affect numbers, so that two templates can be compared."""
         tables = {
             f"table {name}": hashlib.sha256(repr(rows).encode()).hexdigest() for (name, *_), rows in self._tables()
         }
         return {"scene": self.name} | dict(_flatten(self.raw, "")) | tables
 
     def _tables(self) -> Iterator[tuple[tuple[str, str, str], Pairs]]:
-        """Yield the files that were read, in an order that does not depend on when."""
+        """Yield the files read, in an order independent of the time of reading."""
         yield from sorted(self.files.items())
 
     def about(self) -> dict[str, Any]:
-        """Return what a file keeps of the scene; no ``scene_json`` where it has defects unless it is varied."""
+        """Return the scene's attributes for a file; no ``scene_json`` if it has defects unless varied."""
         try:
             return describe_scene(self.scene({}), self.text, self.changes)
         except SceneError:

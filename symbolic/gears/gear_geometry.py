@@ -54,7 +54,7 @@ def base_radius(stage: Stage, gear: Gear) -> float:
 
 
 def working_involute(stage: Stage, one: Gear, two: Gear, sigma: int) -> float:
-    """Return inv of the working pressure angle without play that the profile shifts call for."""
+    """Return inv of the working pressure angle without backlash for the profile shifts."""
     assert one.teeth is not None
     assert two.teeth is not None
     _, alpha = transverse(stage)
@@ -64,7 +64,7 @@ def working_involute(stage: Stage, one: Gear, two: Gear, sigma: int) -> float:
 
 
 def standard_centre_distance(stage: Stage, one: Gear, two: Gear, sigma: int) -> float:
-    """Return the centre distance [m] without play that the profile shifts call for."""
+    """Return the centre distance [m] without backlash for the profile shifts."""
     assert one.teeth is not None
     assert two.teeth is not None
     module, alpha = transverse(stage)
@@ -88,9 +88,9 @@ def single_share(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigm
 
 
 def path_of_contact(stage: Planetary | Pair, one: Gear, two: Gear, sigma: int) -> tuple[float, float]:
-    """Return where the path of contact of full-depth teeth begins and ends [m].
+    """Return start and end of the path of contact of full-depth teeth [m].
 
-    It counts from the pitch point along the force on gear 2: from the tip circle of gear 2, at
+    They are measured from the pitch point along the force on gear 2: from the tip circle of gear 2, at
     r_2 tan(alpha) - L_2, to that of gear 1, at sigma (L_1 - r_1 tan(alpha)).
     """
     at = mesh_geometry(stage, one, two, sigma)
@@ -99,7 +99,7 @@ def path_of_contact(stage: Planetary | Pair, one: Gear, two: Gear, sigma: int) -
 
 
 def backlash(stage: Stage, mesh: Mesh, one: Gear, two: Gear) -> float:
-    """Return the gap along the line of action [m]: given, and of thinner teeth, s_n cos(alpha_t) / cos(beta)."""
+    """Return the gap along the line of action [m]: given, plus that of thinner teeth, s_n cos(alpha_t) / cos(beta)."""
     thinning = one.tooth_thinning + two.tooth_thinning
     if not thinning:
         return mesh.backlash
@@ -107,7 +107,7 @@ def backlash(stage: Stage, mesh: Mesh, one: Gear, two: Gear) -> float:
 
 
 def interference(stage: Stage, one: Gear, two: Gear, sigma: int, distance: float) -> bool:
-    """Tell whether full-depth tips pass the end of the line of action, where no involute can touch."""
+    """Tell whether full-depth tips extend beyond the end of the line of action, where involutes cannot touch."""
     line = distance * sin(acos((base_radius(stage, one) + sigma * base_radius(stage, two)) / distance))
     if sigma < 0:
         return _flank_length(stage, one, -1) < line
@@ -125,7 +125,7 @@ def _flank_length(stage: Stage, gear: Gear, sign: int) -> float:
 
 @dataclass(frozen=True)
 class MeshGeometry:
-    """One mesh in numbers: base radii, centre distance [m], pressure angle [rad], sign of the pair."""
+    """Geometry of one mesh: base radii, centre distance [m], pressure angle [rad], sign of the pair."""
 
     sigma: int
     r1: float

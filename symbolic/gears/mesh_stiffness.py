@@ -19,11 +19,10 @@ SAMPLES = 2000  # of a computed curve over a pitch
 def levels(stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, sigma: int) -> tuple[float, float | None]:
     """Return the stiffness [N/m] of single contact and of double contact.
 
-    A torsional stiffness K on a reference gear gives k = K / r_b^2. From a face width both follow by the
-    potential-energy method for spur gears, each the mean over its part of a pitch. ``double_factor``
-    (the paper's xi) comes before a computed second level; without either the stiffness is constant and
-    the second value None, as it is where the contact ratio is given as 1 or 2. A mesh that has nothing but a
-    table has its mean.
+    A torsional stiffness K on a reference gear gives k = K / r_b^2. From a face width both are computed by the
+    potential-energy method for spur gears, each the mean over its part of a pitch. ``double_factor`` (the paper's xi)
+    takes precedence over a computed second level. Without either, or with a given contact ratio of 1 or 2, the
+    stiffness is constant and the second value None. A mesh with only a table has its mean.
     """
     if mesh.stiffness_table is not None and not (mesh.stiffness or mesh.torsional_stiffness or mesh.face_width):
         return table_series(mesh.stiffness_table, 0)[0], None
@@ -54,8 +53,8 @@ def arcs(
 ) -> list[float]:
     """Return the computed stiffness as a parabola over single and one over double contact [N/m], least squares.
 
-    Each is c_0 + c_1 y + c_2 y^2 with y [pitches] from the middle of its contact. ``backwards`` where the
-    contact moves away from the tip of gear 1, which is then driven.
+    Each is c_0 + c_1 y + c_2 y^2 with y [pitches] from the middle of its contact. ``backwards`` means that the contact
+    moves away from the tip of gear 1, which is then driven.
     """
     phase, k = _curve(stage, mesh, one, two, sigma, backwards)
     share = gear_geometry.single_share(stage, mesh, one, two, sigma)
@@ -81,7 +80,7 @@ def computed_series(
 
 
 def table_series(table: Pairs, count: int) -> list[float]:
-    """Return mean and amplitudes of the polygon through a table over one tooth pitch, closed to a period."""
+    """Return mean and amplitudes of the periodic linear interpolant of a table over one tooth pitch."""
     phase = (np.arange(SAMPLES) + 0.5) / SAMPLES
     places, values = np.array(table).T
     return fourier_series(phase, np.interp(phase, places, values, period=1.0), count)
@@ -105,12 +104,12 @@ def series_values(series: Sequence[float], phase: NDArray[np.float64]) -> NDArra
 
 @lru_cache(maxsize=256)
 def least_value(series: tuple[float, ...]) -> float:
-    """Return the least value of a series over the pitch; kept, since variants of a scene share most of theirs."""
+    """Return the least value of a series over the pitch; cached, since variants of a scene share most series."""
     return float(series_values(series, np.linspace(0.0, 1.0, 2000)).min())
 
 
 def lawful_counts(series: Sequence[float]) -> list[int]:
-    """Return how many harmonics of a series, 1 to all of them, may be kept so that it stays above zero."""
+    """Return the numbers of harmonics, from 1 to all, with which the series stays positive."""
     return [n for n in range(1, len(series) // 2 + 1) if least_value(tuple(series[: 1 + 2 * n])) > 0]
 
 

@@ -5,10 +5,10 @@ A tooth is a cantilever of varying section. The compliances of bending, shear an
 the tooth (`foundation_compliance`) and of the Hertzian contact (Yang & Sun 1985, J. Mech. Trans.
 Autom. Des. 107:529) add up to that of a pair; the pairs in contact act in parallel.
 
-Left out: root fillets, which stiffen; the coupling of neighbouring teeth through their common body and
-the bending of rims, which soften, double contact more than single. Profiles are exact and without
-relief; the load is spread evenly over the width, in plane stress. For common pairs without bores the
-highest stiffness of one pair comes out 20 to 28 % above c' of ISO 6336-1, which rests on measurements.
+Neglected: root fillets, which stiffen; the coupling of neighbouring teeth through their common body and the bending of
+rims, which soften, double contact more than single. Profiles are exact and without relief; the load is uniform over the
+width, in plane stress. For common pairs without bores the highest stiffness of one pair comes out 20 to 28 % above c'
+of ISO 6336-1, which rests on measurements.
 """
 
 from dataclasses import dataclass
@@ -70,7 +70,7 @@ class Tooth:
     Raises
     ------
     ValueError
-        If these numbers make no tooth.
+        If these numbers give no valid tooth.
     """
 
     teeth: int

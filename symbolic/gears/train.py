@@ -1,6 +1,6 @@
 """Rigid-body motion and statics of a train: speed ratios, mesh loads, loaded flanks.
 
-Both are linear systems over the members that turn; planets of a stage move alike here.
+Both are linear systems over the rotating members; the planets of a stage move equally here.
 """
 
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ Vector = NDArray[np.float64]
 
 
 def _wheel(stage: Planetary | Pair, part: str) -> float:
-    """Return what stands for a gear in a speed ratio: teeth where they set all radii, else base radius."""
+    """Return the size of a gear in a speed ratio: teeth if they set all radii, else base radius."""
     names = ("ring", "sun", "planet") if isinstance(stage, Planetary) else ("input", "output")
     if all(getattr(stage, name).teeth is not None and getattr(stage, name).base_radius is None for name in names):
         return float(getattr(stage, part).teeth)
@@ -26,7 +26,7 @@ def _wheel(stage: Planetary | Pair, part: str) -> float:
 
 
 def _rolling_rows(scene: Scene, column: dict[str, int]) -> list[tuple[str, Vector]]:
-    """Return the rows of rolling without slip and of shafts that turn together (eqs 2 and 18)."""
+    """Return the rows of rolling without slip and of shafts that rotate together (eqs 2 and 18)."""
     rows: list[tuple[str, Vector]] = []
 
     def add(label: str, **terms: float) -> None:
@@ -88,7 +88,7 @@ def motion(scene: Scene) -> tuple[RigidMotion, list[str]]:
 
 
 def _driven_from_rest(scene: Scene, column: dict[str, int]) -> list[str]:
-    """Say which loads would set a train in motion of which no speed is known."""
+    """Say which loads would move a train without a known speed."""
     rows = [row for _, row in _rolling_rows(scene, column)]
     rows += [np.eye(len(column))[column[n]] for n, m in members(scene).items() if is_fixed(m) or m.torsional_support]
     if rows and np.linalg.matrix_rank(np.array(rows)) == len(column):
@@ -101,7 +101,7 @@ def _driven_from_rest(scene: Scene, column: dict[str, int]) -> list[str]:
 
 
 def chief_speed(pairs: Pairs) -> float:
-    """Return a table's value at the start; where that is zero, the largest until it turns back; 0 for none."""
+    """Return a table's value at the start; if that is zero, the largest before it reverses; 0 for none."""
     times, values = zip(*pairs, strict=True)
     start = float(np.interp(0.0, times, values))
     ahead = list(dropwhile(lambda value: value == 0, (value for time, value in pairs if time > 0)))
@@ -109,7 +109,7 @@ def chief_speed(pairs: Pairs) -> float:
 
 
 def _apart(scene: Scene, tables: dict[str, Pairs], lead: str) -> list[str]:
-    """Say which speeds are in no fixed ratio to one held over time."""
+    """Say which speeds have no fixed ratio to a speed over time."""
     faults = []
     for key, load in scene.loads.items():
         name = load.member
@@ -128,7 +128,7 @@ def _apart(scene: Scene, tables: dict[str, Pairs], lead: str) -> list[str]:
 
 
 def _proportional(one: Pairs, two: Pairs) -> bool:
-    """Tell whether one table is the other times a constant."""
+    """Tell whether two tables are proportional."""
     if [time for time, _ in one] != [time for time, _ in two]:
         return False
     a, b = np.array([value for _, value in one]), np.array([value for _, value in two])
@@ -136,7 +136,7 @@ def _proportional(one: Pairs, two: Pairs) -> bool:
 
 
 def breakdown_speed(slip: Slip) -> float:
-    """Return by how much the speed of the largest torque lies beside the synchronous one [rad/s]."""
+    """Return the breakdown slip speed [rad/s], from the synchronous speed to that of the largest torque."""
     return slip.breakdown_slip * abs(slip.synchronous_speed)
 
 
@@ -147,7 +147,7 @@ def slip_torque(slip: Slip, speed: float) -> float:
 
 
 def load_torque(load: Load, speed: float) -> float:
-    """Return a load's torque [N m] for statics: the largest over time, that of the slip law at a speed [rad/s]."""
+    """Return a load's torque [N m] for statics: the largest over time, or that of the slip law at a speed [rad/s]."""
     if load.slip is not None:
         return slip_torque(load.slip, speed)
     if load.torque_over_time is not None:
@@ -161,12 +161,12 @@ def final_torque(load: Load) -> float:
 
 
 def _sprung(everyone: dict[str, Member | Rotor]) -> list[str]:
-    """Return the members that a spring to the housing holds."""
+    """Return the members with a torsional spring to the housing."""
     return [name for name, member in everyone.items() if member.torsional_support and not is_fixed(member)]
 
 
 def _blocking(matrix: Vector, vector: Vector, solution: Vector, supports: list[int], names: list[str]) -> list[str]:
-    """Say which torsional supports alone, in rows ``supports``, keep a train from turning as its loads ask."""
+    """Say which torsional supports alone, in rows ``supports``, prevent the rotation that the loads prescribe."""
     if not supports or _is_solved(matrix, vector, solution):
         return []
     kept = np.isin(np.arange(len(vector)), supports, invert=True)
@@ -182,12 +182,12 @@ def _blocking(matrix: Vector, vector: Vector, solution: Vector, supports: list[i
 
 
 def _is_solved(matrix: Vector, vector: Vector, solution: Vector) -> bool:
-    """Tell whether speeds agree with all that is asked of them."""
+    """Tell whether speeds satisfy all constraints."""
     return bool(np.abs(matrix @ solution - vector).max() <= 1e-9 * max(1.0, np.abs(solution).max()))
 
 
 def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, names: list[str]) -> list[str]:
-    """Say which speeds contradict each other or stay open."""
+    """Say which speeds contradict each other or are undetermined."""
     if not _is_solved(matrix, vector, solution):
         return ["loads: the speeds contradict the teeth, the fixed members or each other; give fewer speeds"]
     if rank < len(names):
@@ -200,9 +200,9 @@ def _motion_faults(matrix: Vector, vector: Vector, solution: Vector, rank: int, 
 def static_forces(scene: Scene, rigid: RigidMotion) -> dict[str, float]:
     """Return the signed normal force [N] in one mesh of each kind, on the printed flank, without friction.
 
-    Unknowns are the mesh forces, the coupling torques, the reactions of held members and, where nothing
-    holds the speed, the acceleration of the reference (which the inertias resist); they solve in the
-    least-squares sense. The keys are ``stage.mesh``.
+    Unknowns are the mesh forces, the coupling torques, the reactions of clamped or driven members and, without a
+    prescribed speed, the acceleration of the reference (which the inertias resist); the solution is by least squares.
+    The keys are ``stage.mesh``.
     """
     everyone = members(scene)
     names = list(everyone)
@@ -229,7 +229,7 @@ def static_forces(scene: Scene, rigid: RigidMotion) -> dict[str, float]:
 
 
 def _train_inertia(scene: Scene, name: str) -> float:
-    """Return what resists a member's acceleration [kg m^2]: all planets together, and their orbit on the carrier."""
+    """Return a member's effective inertia [kg m^2]: planets together, and their orbital motion on the carrier."""
     stage = scene.stages.get(name.split(".")[0])
     own = inertia_of(members(scene)[name])[1]
     if not isinstance(stage, Planetary):
@@ -241,9 +241,9 @@ def _train_inertia(scene: Scene, name: str) -> float:
 
 
 def _mesh_torques(name: str, stage: Planetary | Pair, column: dict[str, int]) -> Iterator[tuple[str, Vector]]:
-    """Yield, per mesh, the torques on all members by one newton in each such mesh, on the printed flank.
+    """Yield, per mesh, the torques on all members by a unit force [N] in each such mesh, on the printed flank.
 
-    The carrier takes by its pins what keeps the torques of a mesh in balance.
+    The pins transfer the balancing torque of a mesh to the carrier.
     """
 
     def torques(**terms: float) -> Vector:

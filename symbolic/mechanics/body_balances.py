@@ -17,16 +17,16 @@ class Balances(MeshMotion, Joints):
     Attributes
     ----------
     acting, carried, forces
-        What acts on each body: of the elements at it, after rigid joints have handed theirs on, and with torques about
-        offset centres of mass.
+        Loads on each body: of its elements, after transfer through rigid joints, and with torques about offset centres
+        of mass.
     """
 
     @abstractmethod
     def body_law(self, given: dict[str, Value]) -> dict[str, Value]:
-        """Return the accelerations of a body by freedom, given values of the symbols of ``FrameMotion`` by name."""
+        """Return the accelerations of a body by degree of freedom, given the symbols of ``FrameMotion`` by name."""
 
     def sum_up(self, acting: Iterable[tuple[Instance, list[list[Value]]]]) -> None:
-        """Sum up what acts on the bodies, given force and torque on each port of each element."""
+        """Sum up the loads on the bodies, given force and torque on each port of each element."""
         self.acting: Loads = {name: [self.zero] * 3 for name in self.bodies}
         for instance, loads in acting:
             for name, load in zip(instance.bodies, loads, strict=True):
@@ -35,12 +35,12 @@ class Balances(MeshMotion, Joints):
         self.forces = self.turned_about_mass(self.carried)
 
     def on_ports(self, element: Element, loads: Iterable[Value]) -> list[list[Value]]:
-        """Return force and torque on each port of an element, given what acts on its freedoms."""
+        """Return force and torque on each port of an element, given the loads on its degrees of freedom."""
         known = dict(zip(element.freedoms, loads, strict=True))
         return [[known.get((port, axis), self.zero) for axis in PLANE] for port in element.ports]
 
     def reference_acceleration(self) -> Value:
-        """Return phi'': zero for a held speed, a signal for one over time, else the reference member's own."""
+        """Return phi'': zero at constant speed, a signal for a speed over time, else that of the reference member."""
         if self.lead is not None:
             own = self.forces[self.lead.name][2] / self.inertia(self.lead)
             return self.keep("phi_dd", self.lead.name, own)
@@ -48,7 +48,7 @@ class Balances(MeshMotion, Joints):
         return self.number(signal, "phi_dd") if signal in self.signals else self.zero
 
     def drive_torque(self, body: Body) -> Value:
-        """Return the torque that holds a body's speed: against what acts on it, and for its acceleration."""
+        """Return the torque that prescribes a body's speed: against the loads on it, and for its acceleration."""
         own = self.inertia(body) * self.ratio(body.ratio) * self.reference_acceleration()
         return own - self.forces[body.name][2]
 
@@ -61,12 +61,12 @@ class Balances(MeshMotion, Joints):
         return rigid + self.forces[lead.name][2] / self.inertia(lead) - self.ratio(lead.ratio) * phi_dd
 
     def push(self, body: Body) -> list[Value]:
-        """Return the force that moves a body, with what an offset mass gives."""
+        """Return the force on a body, including that of an offset mass."""
         fx, fy, _ = self.forces[body.name]
         return [fx, fy] if body.moment is None else self.unbalance(body, fx, fy, self.spin(body))
 
     def accelerations(self, body: Body) -> dict[str, Value]:
-        """Return a body's accelerations in its frame, by freedom."""
+        """Return a body's accelerations in its frame, by degree of freedom."""
         (x, y, _), (vx, vy, _) = self.motion(body)
         fx, fy = self.push(body)
         given = {

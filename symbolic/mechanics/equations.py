@@ -1,7 +1,7 @@
 """Equations of motion: elements instanced and summed on the bodies, in CasADi (Model -> Equations).
 
-Element types were derived in SymPy; here each instance is one call of its type's function, so the work
-grows with the number of gears only as fast as the equations themselves do.
+Element types were derived in SymPy; here each instance is one call of its type's function, so the work grows with the
+number of gears no faster than the equations themselves.
 """
 
 from collections.abc import Iterator
@@ -22,26 +22,26 @@ from .profiles import evaluate
 
 @dataclass(frozen=True)
 class Equations:
-    """Equations of motion x' = f(x, s, p) and what is read off them, as CasADi graphs.
+    """Equations of motion x' = f(x, s, p) and their outputs, as CasADi graphs.
 
     Attributes
     ----------
     x, s, p
         States, mesh levels (0 single, 1 double contact) with the load signals after them, and parameters.
     states, levels, parameters
-        What these are, in order; parameters as (name, unit).
+        Descriptions of these, in order; parameters as (name, unit).
     xdot
         Right-hand side.
     reports, outputs
-        What the outputs are, and their expressions.
+        Descriptions of the outputs, and their expressions.
     phases
         Per level: phase tau [cycles], its rate [1/s], share of single contact.
     holds, borders
-        Parameters that hold a regime, and the indicators whose zeros are the borders between regimes.
+        Parameters that hold a regime, and the event functions whose zeros are the borders between regimes.
     energy
-        Kinetic and strain energy, that of weight [J], power put in and power lost [W].
+        Kinetic, strain and gravitational energy [J], input power and power loss [W].
     forces, carried
-        Body -> force and torque in its frame: of the elements at it, and after rigid joints have handed theirs on.
+        Body -> force and torque in its frame: of its elements, and after transfer through rigid joints.
     positions, angles
         Body -> position in inertial axes [m], absolute angle [rad].
     """
@@ -73,10 +73,10 @@ def derive(model: Model, derivation: str = "newton", basis: str = "frame") -> Eq
     model
         The model.
     derivation
-        ``newton`` or ``lagrange``: where the elements' forces and the bodies' accelerations come from.
+        ``newton`` or ``lagrange``: source of the elements' forces and the bodies' accelerations.
     basis
-        ``frame`` evaluates elements in the turning frames (what is emitted); ``inertial`` in the paper's
-        coordinates, for the check that both are the same: only its ``forces`` have a meaning then.
+        ``frame`` evaluates elements in the rotating frames (for the C); ``inertial`` in the paper's coordinates, for
+        the check that both agree: only ``forces`` are then meaningful.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def derive(model: Model, derivation: str = "newton", basis: str = "frame") -> Eq
 
 
 class _Graphs(Balances):
-    """One derivation under way, in CasADi's graphs."""
+    """State of one derivation, in CasADi graphs."""
 
     functions = ca
 
@@ -137,7 +137,7 @@ class _Graphs(Balances):
         return evaluate(item.kind, tau, self.level(item.mesh), self.numbers[VARYING], numbers)
 
     def body_law(self, given: dict[str, Any]) -> dict[str, ca.SX]:
-        """Return the accelerations of a body by freedom."""
+        """Return the accelerations of a body by degree of freedom."""
         found: dict[str, Any] = body_function(self.derivation)(**{"m": ca.SX(1), "inertia": ca.SX(1)} | given)
         return {axis: found[f"a{axis}"] for axis in DEVIATIONS}
 
@@ -155,7 +155,7 @@ class _Graphs(Balances):
     # --- everything
 
     def equations(self) -> Equations:
-        """Sum everything up."""
+        """Assemble the equations."""
         instances = enumerate(self.model.instances, start=1)
         self.results = [(instance, self.call(instance, f"#{number}")) for number, instance in instances]
         self.sum_up((instance, self._loads(instance, result)) for instance, result in self.results)
@@ -173,7 +173,7 @@ class _Graphs(Balances):
         )  # fmt: skip
 
     def _loads(self, instance: Instance, result: dict[str, Any]) -> list[list[ca.SX]]:
-        """Return force and torque that an element puts on each of its ports."""
+        """Return force and torque of an element on each of its ports."""
         return self.on_ports(make(instance.element), ca.vertsplit(result["force"]))
 
     # --- outputs
@@ -195,7 +195,7 @@ class _Graphs(Balances):
     def _element_reports(
         self, instance: Instance, element: Element, result: dict[str, Any]
     ) -> Iterator[tuple[Report, Any]]:
-        """List what an element reports, components of a force in inertial axes."""
+        """List the outputs of an element, components of a force in inertial axes."""
         turned = {}
         if "force_x" in element.outputs:
             beta, _ = self.frame_turn(self.bodies[instance.bodies[-1]])
@@ -207,13 +207,13 @@ class _Graphs(Balances):
                 yield Report(output.quantity, instance.item, output.unit, element.joins, axis), value
 
     def _phase_reports(self, phase: Phase, tag: str, rolling: Any, by_gear: bool) -> Iterator[tuple[Report, Any]]:  # noqa: ANN401
-        """List the phase by which a mesh's stiffness varies, and that of gear 1's own motion."""
+        """List the phase of a mesh's stiffness, and that of gear 1's own motion."""
         own = self.gear_phase(phase, rolling, tag)
         yield Report("mesh_phase", phase.name, "", "mesh"), own if by_gear else self.phase_of(phase.name)
         yield Report("gear_phase", phase.name, "", "mesh"), own
 
     def _shift_reports(self, body: Body) -> Iterator[tuple[Report, Any]]:
-        """List acceleration, velocity and displacement of a body that can move sideways."""
+        """List acceleration, velocity and displacement of a body with lateral motion."""
         if body.lateral:
             beta, _ = self.frame_turn(body)
             mass, (fx, fy) = self.mass(body), self.push(body)
@@ -226,7 +226,7 @@ class _Graphs(Balances):
                 yield Report(f"displacement_{axis}", body.name, "m", "member", axis), place
 
     def _turn_reports(self, body: Body) -> Iterator[tuple[Report, Any]]:
-        """List speed, twist and angular acceleration of a body, and the torque that drives it."""
+        """List speed, twist and angular acceleration of a body, and its drive torque."""
         if self.bodies[body.leader or body.name].turning != "held" and body.turning != "point":
             deviation, rate = self.twist(body)
             yield Report("speed", body.name, "rad/s", "rotor"), self.ratio(body.ratio) * self.speed + rate
@@ -249,7 +249,7 @@ class _Graphs(Balances):
     # --- energy
 
     def _energy(self) -> Any:  # noqa: ANN401
-        """Return kinetic and strain energy, that of weight, power put in by loads and drives, power lost."""
+        """Return kinetic, strain and gravitational energy, input power of loads and drives, power loss."""
         kinetic = strain = weight = given = lost = self.zero
         for body in self.model.bodies:
             _, (vx, vy, w) = self.port(body, "absolute")
@@ -276,18 +276,18 @@ class _Graphs(Balances):
         return ca.vertcat(kinetic, strain, weight, given, lost)
 
     def _power(self, instance: Instance, result: dict[str, Any]) -> Any:  # noqa: ANN401
-        """Return the power that an element of one body gives to it, by its motion against the ground."""
+        """Return the power of an element on its one body, by the body's motion relative to the ground."""
         rates = self.port(self.bodies[instance.bodies[0]], "absolute")[1]
         return ca.dot(ca.vertcat(*self._loads(instance, result)[0]), ca.vertcat(*rates))
 
     def _loss(self, instance: Instance, result: dict[str, Any]) -> Any:  # noqa: ANN401
-        """Return the power that an element takes; one that sees deviations works against the rigid motion too."""
+        """Return the power lost in an element; one on deviations also does work against the rigid motion."""
         return -self._power(instance, result) if make(instance.element).rates == "deviation" else result["loss"]
 
     def _parametric(self, instance: Instance, result: dict[str, Any]) -> tuple[Any, Any]:
-        """Return the power [W] put in by stiffness and errors that vary with the nominal phase.
+        """Return the input power [W] of stiffness and errors that vary with the nominal phase.
 
-        The second value is the part of it that the damper's loss, taken by the bodies' motion alone, counts too.
+        The second value is the part already included in the damper's loss, which uses the bodies' motion alone.
         """
         power = booked = self.zero
         mesh, used = instance.name.removesuffix(BACK), set(instance.bind.values())

@@ -1,9 +1,9 @@
-r"""Frames and coordinates: the paper's inertial ones, and the deviations that are integrated.
+r"""Frames and coordinates: the paper's inertial ones, and the integrated deviations.
 
-The reference angle phi is the angle of the member whose speed is given. A stage's frame turns with
-its carrier's rigid motion, by :math:`\beta = \rho_C\varphi`; every body of the stage is described by
-its position (x, y) in that frame and by its deviation :math:`u = \theta - \rho\varphi` from the rigid
-rotation. So nothing that is integrated, except phi itself, grows with the number of turns.
+The reference angle phi is the angle of the member whose speed is given. A stage's frame rotates with its carrier's
+rigid motion, by :math:`\beta = \rho_C\varphi`; every body of the stage is described by its position (x, y) in that
+frame and by its deviation :math:`u = \theta - \rho\varphi` from the rigid rotation. So no integrated quantity except
+phi itself grows with the number of revolutions.
 """
 
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from ..elements.base import positive, real
 
 
 def rotate(angle: Any, x: Any, y: Any, functions: Any) -> list[Any]:  # noqa: ANN401
-    """Turn a vector by an angle; ``functions`` is the library, CasADi or SymPy, whose cosine and sine are meant."""
+    """Rotate a vector by an angle; ``functions`` is the library of cosine and sine, CasADi or SymPy."""
     cos, sin = functions.cos(angle), functions.sin(angle)
     return [cos * x - sin * y, sin * x + cos * y]
 
 
 @dataclass(frozen=True)
 class FrameMotion:
-    """The symbols of one body in a turning frame, and its accelerations by Newton's laws."""
+    """The symbols of one body in a rotating frame, and its accelerations by Newton's laws."""
 
     x: sp.Symbol
     y: sp.Symbol

@@ -1,4 +1,4 @@
-"""Rigid joints: a body that sits on another, or shares its angle, hands on what acts on it."""
+"""Rigid joints: loads on a body that sits on another, or shares its angle, are transferred to it."""
 
 from .kinematics import Kinematics, Value
 from .model import Body
@@ -10,8 +10,8 @@ Loads = dict[str, list[Value]]
 class Joints(Kinematics):
     r"""The rigid joints of a model.
 
-    With what sits on a body, mass and inertia about its centre are :math:`m` and :math:`I`, and mass times
-    offset is :math:`\mathbf S` (zero where it is balanced). Newton's and Euler's laws about the centre C,
+    A body with all that sits on it has mass :math:`m`, inertia :math:`I` about its centre, and mass times offset
+    :math:`\mathbf S` (zero if balanced). Newton's and Euler's laws about the centre C,
 
     .. math:: m\mathbf a_C + \Omega'\,\mathbf z\times\mathbf S - \Omega^2\mathbf S = \mathbf F, \qquad
               I\Omega' + \mathbf S\times\mathbf a_C = T,
@@ -20,7 +20,7 @@ class Joints(Kinematics):
     """
 
     def _seats(self, body: Body) -> int:
-        """Return on how many seats a body sits, one on the other."""
+        """Return the number of seats, one on the other, below a body."""
         return 0 if body.seat is None else 1 + self._seats(self.bodies[body.seat])
 
     def mass(self, body: Body) -> Value:
@@ -38,7 +38,7 @@ class Joints(Kinematics):
         return [self.keep(f"s_{axis}@{body.name}", body.name, s) for axis, s in zip("xy", turned, strict=True)]
 
     def carry(self, forces: Loads) -> Loads:
-        """Hand on forces and torques: from the seated to their seats, outermost first, then to leaders."""
+        """Transfer forces and torques: from seated bodies to their seats, outermost first, then to leaders."""
         carried = {name: list(load) for name, load in forces.items()}
         for body in sorted(self.bodies.values(), key=self._seats, reverse=True):
             load = carried[body.name]
@@ -55,7 +55,7 @@ class Joints(Kinematics):
         return carried
 
     def turned_about_mass(self, carried: Loads) -> Loads:
-        """Return carried forces with what is left of the torque about an offset centre of mass, T - S x F / m."""
+        """Return carried forces with the torque about an offset centre of mass, T - S x F / m."""
         loads = {name: list(load) for name, load in carried.items()}
         for body in self.bodies.values():
             if body.moment is not None:
@@ -67,7 +67,7 @@ class Joints(Kinematics):
         return loads
 
     def inertia(self, body: Body) -> Value:
-        """Return what resists a body's turning [kg m^2], with all that shares its angle: I - S^2 / m."""
+        """Return the effective inertia of a body [kg m^2], with all that shares its angle: I - S^2 / m."""
         inertia = self.number(body.inertia or "", f"I@{body.name}")
         for other in self.bodies.values():
             if other.moment is not None and (other.leader or other.name) == body.name:
@@ -76,7 +76,7 @@ class Joints(Kinematics):
         return inertia
 
     def unbalance(self, body: Body, fx: Value, fy: Value, spin: Value) -> list[Value]:
-        """Add to a force what the offset mass gives: S Omega^2 - Omega' z x S, in the body's frame."""
+        """Add the force of the offset mass, S Omega^2 - Omega' z x S, in the body's frame."""
         sx, sy = self.moment(body)
         turned = self.turning(body)[1] + self.frame_turn(body)[1]
         speed = self.keep(f"Omega@{body.name}", body.name, turned)

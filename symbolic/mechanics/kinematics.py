@@ -1,7 +1,6 @@
-"""Kinematics: position and rates of every body in its frame and against the ground.
+"""Kinematics: position and rates of every body in its frame and relative to the ground.
 
-Written once, over whatever states and numbers are: graphs of CasADi, of which the C is made, or symbols of SymPy,
-which the book prints.
+Written once for both kinds of states and numbers: CasADi graphs for the C, and SymPy symbols for the book.
 """
 
 from abc import ABC, abstractmethod
@@ -15,23 +14,23 @@ from .model import Body, Instance, Model
 
 Value = Any  # CasADi's SX or SymPy's Expr
 LETTERS = {"x": ("x", "v_x"), "y": ("y", "v_y"), "u": ("u", "u_d")}
-"""Freedom -> letter of its coordinate and of the rate."""
+"""Degree of freedom -> letter of its coordinate and of the rate."""
 
 
 class Kinematics(ABC):
-    """Motion of the bodies of a model, in turning frames or in inertial coordinates.
+    """Motion of the bodies of a model, in rotating frames or in inertial coordinates.
 
-    A subclass says what states and parameters are. Letters are those of the book; what belongs to a body or a mesh
-    carries its name behind ``@``, what belongs to an element its number behind ``#``.
+    A subclass defines states and parameters. Letters are those of the book; quantities of a body or a mesh carry its
+    name after ``@``, those of an element its number after ``#``.
 
     Attributes
     ----------
     functions
-        The library whose ``cos``, ``sin`` and ``pi`` are meant.
+        The library of ``cos``, ``sin`` and ``pi``.
     zero
         Its zero.
     basis
-        ``frame``, or ``inertial``: what elements see positions in.
+        Basis of the elements' positions: ``frame`` or ``inertial``.
     """
 
     functions: Any
@@ -54,7 +53,7 @@ class Kinematics(ABC):
         """Return a parameter or load signal."""
 
     def keep(self, letter: str, owner: str, value: Value) -> Value:
-        """Return a quantity that may get a letter of its own; ``owner`` is the body, mesh or element it belongs to."""
+        """Return a quantity that may get its own letter; ``owner`` is its body, mesh or element."""
         return value
 
     # --- reference and frames
@@ -76,7 +75,7 @@ class Kinematics(ABC):
         return self.number(name, f"rho@{name.removesuffix('.speed_ratio')}") if name else self.zero
 
     def _start(self, ratio: str | None, frame: str | None) -> Value:
-        """Return the angle from which something turns [rad]."""
+        """Return the initial angle of a rotation [rad]."""
         start = self.starts.get((ratio or "", frame or ""))
         if start is None or ratio is None:
             return self.zero
@@ -88,32 +87,32 @@ class Kinematics(ABC):
         return self.ratio(ratio) * self.phi + self._start(ratio, None), self.ratio(ratio) * self.speed
 
     def in_basis(self, body: Body, x: Value, y: Value) -> list[Value]:
-        """Turn a vector from a body's frame into the basis of the forces."""
+        """Rotate a vector from a body's frame into the basis of the forces."""
         return [x, y] if self.basis == "frame" else self.rotate(self.frame_turn(body)[0], x, y)
 
     def rotate(self, angle: Value, x: Value, y: Value) -> list[Value]:
-        """Turn a vector by an angle."""
+        """Rotate a vector by an angle."""
         return rotate(angle, x, y, self.functions)
 
     # --- bodies
 
     def moving(self) -> Iterator[tuple[Body, str]]:
-        """List all freedoms but the reference."""
+        """List all degrees of freedom but the reference."""
         yield from ((body, axis) for body in self.model.bodies for axis in body.freedoms)
 
     def coordinate(self, body: Body, axis: str) -> tuple[Value, Value]:
-        """Return a coordinate of a body and its rate, zero where it has none."""
+        """Return a coordinate of a body and its rate, zero if it has none."""
         if axis not in body.freedoms:
             return self.zero, self.zero
         state, (here, rate) = f"{body.name}.{axis}", LETTERS[axis]
         return self.state(state, f"{here}@{body.name}"), self.state(f"{state}.rate", f"{rate}@{body.name}")
 
     def twist(self, body: Body) -> tuple[Value, Value]:
-        """Return a body's deviation of angle and its rate, which are its leader's where it has one."""
+        """Return a body's deviation of angle and its rate, or those of its leader."""
         return self.coordinate(self.bodies[body.leader or body.name], "u")
 
     def turning(self, body: Body) -> tuple[Value, Value]:
-        """Return by how much a body has turned in its frame, and how fast it turns there."""
+        """Return the rotation angle and speed of a body in its frame."""
         (u, w), frame = self.twist(body), self.model.frames[body.frame]
         if body.ratio == frame:
             return u, w
@@ -121,7 +120,7 @@ class Kinematics(ABC):
         return relative * self.phi + (self._start(body.ratio, frame) + u), relative * self.speed + w
 
     def place(self, body: Body) -> tuple[Value, Value]:
-        """Return the nominal place of a body in its frame, or on its seat."""
+        """Return the nominal position of a body in its frame, or on its seat."""
         assert body.place is not None
         return self.number(body.place[0], f"x_0@{body.name}"), self.number(body.place[1], f"y_0@{body.name}")
 
@@ -143,7 +142,7 @@ class Kinematics(ABC):
         return [x, y, u], [vx, vy, w]
 
     def _seated(self, body: Body, below: Body) -> list[Value]:
-        """Return place and velocity of what sits on another body."""
+        """Return position and velocity of a body that sits on another."""
         (x, y, _), (vx, vy, _) = self.motion(below)
         turning = self.turning(below)[1]
         ax, ay = self.arm(body)
@@ -157,7 +156,7 @@ class Kinematics(ABC):
     # --- as elements see them
 
     def seen(self, element: Element, instance: Instance) -> dict[Any, Value]:
-        """Return what the symbols of an element's ports are."""
+        """Return the values of the symbols of an element's ports."""
         found: dict[Any, Value] = {}
         for port, name in zip(element.ports, instance.bodies, strict=True):
             found |= self._on_port(port, *self.port(self.bodies[name], element.rates))
@@ -165,13 +164,13 @@ class Kinematics(ABC):
 
     @staticmethod
     def _on_port(port: Port, at: list[Value], rates: list[Value]) -> dict[Any, Value]:
-        """Return what the symbols of a port are, given all coordinates and rates of its body."""
+        """Return the values of a port's symbols, given all coordinates and rates of its body."""
         whole = dict(zip(PLANE, zip(at, rates, strict=True), strict=True))
         here = {port.coordinate(axis): whole[axis][0] for axis in port.axes}
         return here | {port.rate(axis): whole[axis][1] for axis in port.axes}
 
     def port(self, body: Body, rates: str) -> tuple[list[Value], list[Value]]:
-        """Return the position and the rates that an element sees of a body, in the basis chosen."""
+        """Return the position and the rates of a body at an element's port, in the chosen basis."""
         (x, y, u), (vx, vy, w) = self.motion(body)
         if rates == "frame" and self.basis == "frame":
             return [x, y, u], [vx, vy, w]
@@ -184,14 +183,14 @@ class Kinematics(ABC):
         return [*self.rotate(beta, x, y), u + self.ratio(body.ratio) * self.phi], [*self.rotate(beta, vx, vy), w]
 
     def _turned(self, body: Body, at: list[Value], rates: list[Value]) -> tuple[list[Value], list[Value]]:
-        """Return position and rates in the frame, resolved in the basis chosen."""
+        """Return position and rates in the frame, resolved in the chosen basis."""
         if self.basis == "frame":
             return at, rates
         beta, _ = self.frame_turn(body)
         return [*self.rotate(beta, *at[:2]), self.angle(body)], [*self.rotate(beta, *rates[:2]), rates[2]]
 
     def ground(self, body: Body) -> tuple[list[Value], list[Value]]:
-        """Return a body's position and its velocity against the ground, in inertial axes."""
+        """Return a body's position and its velocity relative to the ground, in inertial axes."""
         beta, turn = self.frame_turn(body)
         (x, y, _), (vx, vy, _) = self.motion(body)
         return self.rotate(beta, x, y), self.rotate(beta, vx - turn * y, vy + turn * x)

@@ -1,4 +1,4 @@
-r"""Equations from energies: generalised forces of elements, accelerations of bodies.
+r"""Lagrange's equations: generalised forces of elements and accelerations of bodies from energies.
 
 .. math:: \frac{d}{dt}\frac{\partial T}{\partial\dot q} - \frac{\partial T}{\partial q}
           = -\frac{\partial V}{\partial q} - \frac{\partial D}{\partial\dot q}
@@ -23,9 +23,9 @@ def forces(element: Element) -> tuple[sp.Expr, ...]:
 
 
 def kinetic_energy() -> sp.Expr:
-    """Return T = m |v|^2 / 2 + I (rho phi' + u')^2 / 2 of a body in a turning frame (symbols of ``FrameMotion``).
+    """Return T = m |v|^2 / 2 + I (rho phi' + u')^2 / 2 of a body in a rotating frame (symbols of ``FrameMotion``).
 
-    v is the velocity against the ground, resolved in the frame.
+    v is the velocity relative to the ground, resolved in the frame.
     """
     f = FrameMotion.symbols()
     w = f.frame_ratio * f.phi_d
@@ -36,9 +36,9 @@ def kinetic_energy() -> sp.Expr:
 
 @cache
 def frame_accelerations() -> tuple[sp.Expr, sp.Expr, sp.Expr]:
-    """Derive x'', y'', u'' of a body in a turning frame from its kinetic energy.
+    """Derive x'', y'', u'' of a body in a rotating frame from its kinetic energy.
 
-    The reference's own acceleration phi'' is a given here.
+    The reference's acceleration phi'' is given.
     """
     f = FrameMotion.symbols()
     t = sp.Symbol("t")

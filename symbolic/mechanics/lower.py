@@ -1,4 +1,4 @@
-"""Lowering of SymPy expressions to CasADi graphs; whatever is not known is refused."""
+"""Lowering of SymPy expressions to CasADi graphs; unknown functions are refused."""
 
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -25,7 +25,7 @@ UNARY: dict[Any, Callable[[Any], Any]] = {
 
 
 def _sharing(g: Any, share: Any) -> Any:  # noqa: ANN401
-    """Evaluate the leading pair's part of the load: 1 in single contact, then falling to 1/2."""
+    """Evaluate the leading pair's load share: 1 in single contact, then falling to 1/2."""
     return 1 - ca.fmax(ca.fabs(g) - share / 2, 0) / (1 - share)
 
 
@@ -42,14 +42,14 @@ def lower(expressions: Sequence[sp.Expr], leaves: dict[sp.Symbol, Any]) -> list[
     Parameters
     ----------
     expressions
-        What to rebuild; common parts are found first (``sympy.cse``).
+        Expressions to lower; common subexpressions are found first (``sympy.cse``).
     leaves
         Symbol -> CasADi expression.
 
     Raises
     ------
     TypeError
-        If an expression holds a function that has no CasADi counterpart here.
+        If an expression contains a function without a CasADi counterpart here.
     """
     plain, memory = [sp.sympify(e) for e in expressions], dict[sp.Basic, Any](leaves)
     named = _angles(plain, memory)
@@ -60,10 +60,10 @@ def lower(expressions: Sequence[sp.Expr], leaves: dict[sp.Symbol, Any]) -> list[
 
 
 def _angles(expressions: Sequence[sp.Expr], memory: dict[sp.Basic, Any]) -> dict[sp.Basic, sp.Dummy]:
-    """Rebuild the arc tangents by themselves, and return a symbol for each of them and for the sums within.
+    """Rebuild the arc tangents separately, and return a symbol for each of them and for the sums within.
 
-    All elements of a mesh need the same angle. What ``sympy.cse`` makes of it depends on what stands beside it,
-    and graphs that are written differently are not joined when the elements come together.
+    All elements of a mesh need the same angle. How ``sympy.cse`` writes it depends on the other expressions, and
+    differently written graphs are not merged between elements.
     """
     angles: set[sp.Basic] = set().union(*(e.atoms(sp.atan, sp.atan2) for e in expressions))
     for angle in sorted(angles, key=sp.default_sort_key):
@@ -132,7 +132,7 @@ def element_function(key: ElementKey, derivation: str) -> ca.Function:
     -------
     casadi.Function
         Named inputs (the element's arguments); outputs ``force`` (in the order of ``Element.freedoms``),
-        ``potential``, ``loss`` (power taken by the dissipation, W) and the element's own outputs as ``out_<name>``.
+        ``potential``, ``loss`` (dissipated power, W) and the element's own outputs as ``out_<name>``.
     """
     written = make(key)
     leaves = {symbol: ca.SX.sym(symbol.name) for symbol in written.arguments}

@@ -1,4 +1,4 @@
-"""Mesh phases, stiffness and errors over them, and what the parameters of elements are bound to."""
+"""Mesh phases, stiffness and errors over them, and values of element parameters."""
 
 from abc import abstractmethod
 
@@ -10,18 +10,18 @@ from .model import BASIS, ERROR, ERROR_RATE, LEVEL, PHASE, SLOPE, STIFFNESS, TUR
 
 
 class MeshMotion(Kinematics):
-    """What the elements of a mesh see of its motion: phases, and the quantities that vary with them."""
+    """Motion of the meshes for their elements: phases, and the quantities that vary with them."""
 
     @abstractmethod
     def level(self, mesh: str) -> Value:
-        """Return the level of a mesh, 0 in single and 1 in double contact; zero where it has none."""
+        """Return the level of a mesh, 0 in single and 1 in double contact; zero if it has none."""
 
     @abstractmethod
     def one_profile(self, item: Profile, place: int, tau: Value) -> tuple[Value, Value]:
         """Return the value of a profile at a phase and its slope per cycle; it is the ``place``-th of its quantity."""
 
     def phase(self, mesh: str) -> Phase | None:
-        """Return the phase of a mesh, None where it has none."""
+        """Return the phase of a mesh, None if it has none."""
         return next((phase for phase in self.model.phases if phase.name == mesh), None)
 
     def profile(self, mesh: str, quantity: str, tau: Value) -> tuple[Value, Value]:
@@ -50,7 +50,7 @@ class MeshMotion(Kinematics):
         return self.number(phase.rate, f"nu@{mesh}") * self.speed
 
     def _rigid_cycles(self, phase: Phase) -> Value:
-        """Return the tooth pitches [cycles] that have gone by in the rigid motion."""
+        """Return the tooth pitches [cycles] passed in the rigid motion."""
         if phase.rate is not None:
             return self.number(phase.rate, f"nu@{phase.name}") * self.phi
         if self.model.reference == "rest":
@@ -60,7 +60,7 @@ class MeshMotion(Kinematics):
         return self.number(phase.teeth, f"z_1@{phase.name}") / (2 * self.functions.pi) * relative * self.phi
 
     def gear_phase(self, phase: Phase, rolling: Value, tag: str) -> Value:
-        """Return the phase [cycles] of gear 1's own motion from its rolling angle, which inertial axes hold whole."""
+        """Return the phase [cycles] of gear 1's own motion from its full rolling angle in inertial axes."""
         teeth = self.number(phase.teeth, f"z_1{tag}") / (2 * self.functions.pi)
         own = self.number(phase.rolled, f"tau_0{tag}") + teeth * rolling
         return self._rigid_cycles(phase) + own if self.basis == "frame" else own
@@ -73,7 +73,7 @@ class MeshMotion(Kinematics):
         return self.keep(f"k@{mesh}", mesh, value), slope
 
     def followed(self, instance: Instance, tag: str, rolling: Value) -> dict[str, Value]:
-        """Return a stiffness and its slope where the phase is that of gear 1's own motion."""
+        """Return a stiffness and its slope at the phase of gear 1's own motion."""
         mesh = instance.name.removesuffix(BACK)
         phase, owner = self.phase(mesh), tag.removeprefix("#")
         assert phase is not None
@@ -82,7 +82,7 @@ class MeshMotion(Kinematics):
         return {"k": self.keep(f"k{tag}", owner, value), "k_d": self.keep(f"k_d{tag}", owner, slope)}
 
     def error(self, instance: Instance) -> Value:
-        """Return the error [m] that a mesh's element sees; the other flank sees it with the other sign."""
+        """Return the error [m] of a mesh's element; it has the opposite sign on the other flank."""
         mesh, sign = instance.name.removesuffix(BACK), self._side(instance)
         tau = self.phase_of(mesh)
         error = self.keep(f"e@{mesh}", mesh, self.profile(mesh, "error", tau)[0])
@@ -105,7 +105,7 @@ class MeshMotion(Kinematics):
     # --- parameters of elements
 
     def bound(self, instance: Instance, element: Element, tag: str) -> dict[str, Value]:
-        """Return the values of an element's parameters, but of a stiffness that follows the gear; see `followed`."""
+        """Return the values of an element's parameters, except a stiffness that follows the gear; see `followed`."""
         followed = (STIFFNESS, SLOPE) if SLOPE in instance.bind.values() else ()
         found = {
             symbol.name: self._bound(instance, instance.bind[symbol.name], symbol.name + tag)
@@ -118,7 +118,7 @@ class MeshMotion(Kinematics):
         return found
 
     def _bound(self, instance: Instance, name: str, letter: str) -> Value:
-        """Return what a parameter of an element is bound to."""
+        """Return the value bound to a parameter of an element."""
         mesh = instance.name.removesuffix(BACK)
         if name in (TURN, BASIS):
             turns = (name == BASIS) == (self.basis == "frame")

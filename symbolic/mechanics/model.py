@@ -1,8 +1,8 @@
-"""Model: bodies, element instances and parameters that a scene's effects call for.
+"""Model of a scene: bodies, element instances and parameters.
 
-A model is structure (bodies, element instances, levels, load signals) plus numbers (parameters, tables over
-time). Structure is baked into the C; numbers stay parameters, and tables are read while the C runs. Nothing
-here needs SymPy, so a model whose C is already in the store is ready without deriving anything.
+A model is structure (bodies, element instances, levels, load signals) plus numbers (parameters, tables over time).
+Structure is fixed in the C; numbers stay parameters, and tables are read at run time. Nothing here needs SymPy, so a
+model whose C is already in the store needs no derivation.
 """
 
 import json
@@ -15,10 +15,10 @@ from ..elements.key import ElementKey
 
 LEVEL, TURN, BASIS, PHASE = "@level", "@turn", "@basis", "@phase"
 UNSHAPED = ("title", "name", "effects", "statics", "tables")
-"""Parts of a model that leave its C as it is."""
+"""Parts of a model that do not change its C."""
 STIFFNESS, SLOPE, ERROR, ERROR_RATE = "@stiffness", "@slope", "@error", "@error_rate"
 HOLD = "hold."
-"""How the parameters begin that hold a regime while an integrator is under way; 0 lets the state decide."""
+"""Prefix of the parameters that hold a regime during integration; 0 lets the state decide."""
 
 
 @dataclass(frozen=True)
@@ -40,27 +40,27 @@ class Body:
     name
         Dotted name, such as ``lsp.planet.2``.
     freedoms
-        Letters of the deviations that are integrated: x, y, u.
+        Letters of the integrated deviations: x, y, u.
     turning
-        ``free`` (own deviation from the rigid motion), ``held`` (angle zero), ``driven`` (held speed),
-        ``reference`` (its angle is the reference angle), ``led`` (it turns with its leader) or ``point`` (the
-        same, for a point of its leader that is no member).
+        ``free`` (own deviation from the rigid motion), ``held`` (angle zero), ``driven`` (held speed), ``reference``
+        (its angle is the reference angle), ``led`` (it rotates with its leader) or ``point`` (the same, for a point of
+        its leader that is not a member).
     mass, inertia
-        Parameter names, None where nothing needs them. Both count what is rigidly joined to the body.
+        Parameter names, None if not needed. Both include rigidly joined bodies.
     ratio
-        Parameter name of its speed over the reference speed; None where it stands still.
+        Parameter name of its speed over the reference speed; None at rest.
     place
         Parameter names of its nominal position in the frame, or on its seat; None at the origin.
     frame
-        Name of the frame it is described in.
+        Name of its frame.
     leader
         The body whose deviation of angle it shares.
     seat
-        The body on which it sits at its place, turning about that body's centre with it.
+        The body on which it is mounted, rotating about that body's centre with it.
     moment
-        Parameter names of mass times offset of what sits on it [kg m], at angle zero; None where balanced.
+        Parameter names of mass times offset of the bodies mounted on it [kg m], at angle zero; None if balanced.
     part
-        What it is in its stage, ``""`` for a point of another body.
+        Its role in the stage, ``""`` for a point of another body.
     """
 
     name: str
@@ -78,18 +78,18 @@ class Body:
 
     @property
     def lateral(self) -> bool:
-        """Tell whether it can move sideways."""
+        """Tell whether it has lateral degrees of freedom."""
         return any(not DEVIATIONS[letter].rotation for letter in self.freedoms)
 
 
 @dataclass(frozen=True)
 class Instance:
-    """An element at work: its type, the bodies at its ports, and where its parameters come from.
+    """Element instance: its type, the bodies at its ports, and the sources of its parameters.
 
-    ``bind`` maps the element's parameter names to parameter names of the model, or to ``@level`` (the
-    mesh's stiffness level), ``@phase`` (its phase), ``@turn`` (how far the frame has turned) and ``@basis``;
-    or to the mesh's ``@stiffness`` at its phase and that one's ``@slope``, its ``@error`` and ``@error_rate``.
-    ``family`` is the name that equal connections of the train share, ``""`` of what is no connection of its own.
+    ``bind`` maps the element's parameter names to parameter names of the model, or to ``@level`` (the mesh's stiffness
+    level), ``@phase`` (its phase), ``@turn`` (rotation of the frame) and ``@basis``; or to the mesh's ``@stiffness`` at
+    its phase and its ``@slope``, its ``@error`` and ``@error_rate``. ``family`` is the common name of equal connections
+    of the train, ``""`` for an element that is not a connection.
     """
 
     name: str
@@ -126,20 +126,21 @@ class Level:
 class Phase:
     """The phase tau = rate * phi + start [cycles] of a mesh by the rigid motion.
 
-    Gear 1's own phase is rate * phi + ``rolled`` + ``teeth`` / 2 pi times its rolling angle against the rigid motion.
+    Gear 1's own phase is rate * phi + ``rolled`` + ``teeth`` / 2 pi times its rolling angle relative to the rigid
+    motion.
 
     Attributes
     ----------
     name
         The mesh.
     teeth, gear
-        Parameter, teeth of gear 1 in the sense in which the phase counts up, and this body.
+        Parameter: teeth of gear 1, positive if its rotation increases the phase; and the body of gear 1.
     rate
-        Parameter; None at rest, and where nothing but outputs needs it: it then follows from teeth and speed ratios.
+        Parameter; None at rest, and if only outputs need it: it is then computed from teeth and speed ratios.
     start, rolled
         Parameters.
     followed
-        Whether stiffness, errors or friction vary with the one phase or the other.
+        Whether stiffness, errors or friction vary with either phase.
     """
 
     name: str
@@ -153,10 +154,10 @@ class Phase:
 
 @dataclass(frozen=True)
 class Profile:
-    """What a mesh's ``stiffness`` or ``error`` is over its phase: a kind of ``profiles`` and its parameters.
+    """Profile of a mesh's ``stiffness`` or ``error`` over its phase: a kind of ``profiles`` and its parameters.
 
-    ``turned`` and ``opening`` are what a pin out of place takes from a deflection that knows angles only. Both flanks
-    see ``error`` and ``turned`` with opposite signs, since these are motions, and ``opening`` with the same.
+    ``turned`` and ``opening`` are the effects of a pin position error on a deflection of angles only. ``error`` and
+    ``turned`` are motions, so they have opposite signs on the two flanks; ``opening`` has the same.
     """
 
     mesh: str
@@ -196,7 +197,7 @@ class Model:
         return any(self.frames[body.frame] is not None for body in self.bodies)
 
     def structure(self) -> str:
-        """Return all that shapes the C, as canonical JSON: no title, no number."""
+        """Return the structure that determines the C, as canonical JSON: no title, no numbers."""
         shape = {key: value for key, value in vars(self).items() if key not in UNSHAPED}
         shape["parameters"] = [(p.name, p.unit, p.role) for p in self.parameters]
         return json.dumps(shape, sort_keys=True, separators=(",", ":"), default=vars)
@@ -206,7 +207,7 @@ class Model:
         return {p.name: p.value for p in self.parameters}
 
     def nominal_place(self, body: str) -> tuple[float, float]:
-        """Return where a body stands in its frame when nothing has turned [m], what it sits on included."""
+        """Return the position of a body in its frame at angle zero [m], including that of its seat."""
         numbers, here = self.values(), next(item for item in self.bodies if item.name == body)
         x, y = (numbers[name] for name in here.place) if here.place else (0.0, 0.0)
         if here.seat is None:

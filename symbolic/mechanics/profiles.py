@@ -1,7 +1,7 @@
 """Profiles over the mesh phase tau [cycles]: stiffness and errors, written once for the C and for the book.
 
-All have the period of a tooth pitch (``tooth``: of the gear's turns) and are written by their distance from
-the middle of a contact, wrapped to half a pitch either way, so that wrapping never falls where they vary.
+All have the period of a tooth pitch (``tooth``: of a gear revolution). They are functions of the distance from the
+middle of a contact, wrapped to plus or minus half a pitch, so that they are constant where it wraps.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +17,7 @@ Value = Any  # a number, CasADi's SX or SymPy's Expr
 
 @dataclass(frozen=True)
 class ProfileFunctions:
-    """What profiles are written with, in one algebra.
+    """Functions used by profiles, in one algebra (CasADi or SymPy).
 
     Attributes
     ----------
@@ -53,11 +53,11 @@ class ProfileKind:
     title
         What it is.
     letters
-        Letters of its numbers in the book; amplitudes, of which there may be any number, are left out.
+        Letters of its numbers in the book, without amplitudes, of which there may be any number.
     value
         (functions, tau, level, *numbers) -> value at a phase.
     mean
-        (*numbers) -> what stands for it where nothing varies: its mean; a single tooth's error is left out.
+        (*numbers) -> mean, the value where nothing varies; zero for a single tooth's error.
     """
 
     title: str
@@ -89,18 +89,18 @@ def _arcs(of: ProfileFunctions, tau: Value, level: Value, share: Value, *coeffic
 def _tooth(
     of: ProfileFunctions, tau: Value, level: Value, size: Value, number: Value, teeth: Value, share: Value
 ) -> Value:
-    """Return the error of one tooth of a gear: full in its single contact, taken over and handed on in double."""
+    """Return the error of one tooth of a gear: full in its single contact, blended with its neighbours' in double."""
     past, rest = of.wrap(tau - number, teeth), 1 - share
     return size * (of.rise(past / rest + 1) - of.rise((past - share) / rest))
 
 
 def _constant(of: ProfileFunctions, tau: Value, level: Value, size: Value) -> Value:
-    """Return what does not depend on the phase."""
+    """Return a value independent of the phase."""
     return size
 
 
 def _smooth_mean(single: Value, double: Value, share: Value, width: Value) -> Value:
-    """Return the mean of ``_smooth``: transitions take as much as they give."""
+    """Return the mean of ``_smooth``: transitions do not change it."""
     return share * single + (1 - share) * double
 
 
@@ -128,7 +128,7 @@ KINDS: dict[str, ProfileKind] = {
 def _rise(z: Value) -> Value:
     """Rise with six derivatives: the integral of (1 - y^2)^6 over y = 2 z - 1.
 
-    An integrator of order five sees no edge where it begins and ends.
+    For an integrator of order five its ends are smooth.
     """
     y = ca.fmin(ca.fmax(2 * z - 1, -1), 1)
     square, total = y**2, 0
@@ -138,7 +138,7 @@ def _rise(z: Value) -> Value:
 
 
 def _harmonics(mean: Value, tau: Value, amplitudes: Sequence[Value]) -> Value:
-    """Sum harmonics up, each from the one before by a rotation."""
+    """Sum up harmonics, each computed from the previous one by a rotation."""
     one = ca.cos(2 * ca.pi * tau), ca.sin(2 * ca.pi * tau)
     total, cosine, sine = mean, *one
     for a, b in zip(amplitudes[::2], amplitudes[1::2], strict=True):
@@ -178,9 +178,9 @@ def evaluate(kind: str, tau: Value, level: Value, varying: Value, numbers: Seque
     tau, level
         Mesh phase [cycles], and mesh level where the profile jumps with it.
     varying
-        1, or 0 for the mean in place of what varies.
+        1, or 0 for the mean.
     numbers
-        What shapes the profile, in the order of its function.
+        Parameters of the profile, in the order of its function.
     """
     value, slope = _function(kind, len(numbers))(tau, level, varying, *numbers)
     return value, ca.densify(slope)

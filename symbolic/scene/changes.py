@@ -1,4 +1,4 @@
-"""Changes of a scene by dotted key, as ``--set`` and the points of a sweep make them."""
+"""Changes of a scene by dotted key, as in ``--set`` and the points of a sweep."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,19 +10,19 @@ from .toml import MOST_PARTS, Raw, TomlError, parse_toml
 
 
 def put_changes(raw: Raw, changes: Mapping[str, str], label: str) -> None:
-    """Put values in place of a scene's, by dotted key.
+    """Replace values of a scene by dotted key.
 
     Raises
     ------
     SceneError
-        If a key leads nowhere.
+        If a key does not exist.
     """
     for key, value in changes.items():
         _put(raw, key, value, label)
 
 
 def _put(raw: Raw, key: str, value: str, label: str) -> None:
-    """Set one dotted key, whole numbers being places in lists."""
+    """Set one dotted key; whole numbers are list indices."""
     path = key.split(".")
     if len(path) > MOST_PARTS:
         raise SceneError(
@@ -44,7 +44,7 @@ def _put(raw: Raw, key: str, value: str, label: str) -> None:
 
 
 def _fault_of_place(table: Any, above: list[str], part: str) -> str:  # noqa: ANN401
-    """Say why what stands under some keys has no place of a name, or nothing where it has."""
+    """Say why a key path has no entry of a name; empty if it has."""
     here = ".".join(above)
     if not isinstance(table, list | dict):
         return f"{above[-1]!r:.60} is a value, not a table"
@@ -59,7 +59,7 @@ def _fault_of_place(table: Any, above: list[str], part: str) -> str:  # noqa: AN
 
 
 def _parse(value: str) -> Any:  # noqa: ANN401
-    """Read a value as TOML where it is, else as text."""
+    """Read a value as TOML if it is valid TOML, else as text."""
     try:
         read = parse_toml(f"v = {value}")
     except TomlError:

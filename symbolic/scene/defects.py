@@ -1,4 +1,4 @@
-"""Messages about defects of a scene: key, reason and cure of what validation finds."""
+"""Messages about defects of a scene: key, reason and cure of each validation error."""
 
 import re
 from collections.abc import Iterable
@@ -10,7 +10,7 @@ from ..schema import scene_schema
 from ..schema.scene_schema import Scene
 
 MOST_TOLD = 50
-"""Defects of one scene that are told; more of them are counted."""
+"""Largest number of reported defects per scene; the rest are counted."""
 REASONS = {
     "missing": "is missing",
     "string_pattern_mismatch": "names are small letters, digits and _, beginning with a letter",
@@ -31,7 +31,7 @@ REASONS = {
 
 
 def _fields_at(path: tuple[str | int, ...], kind: str) -> list[str]:
-    """Return the keys that the table at ``path``, in a stage of that kind, may hold."""
+    """Return the valid keys of the table at ``path`` in a stage of that kind."""
     here: list[type[BaseModel]] = [Scene]
     for part in path:
         nested = [

@@ -1,4 +1,4 @@
-"""Scene files: TOML, or what the Python builder made, becomes a frozen Scene; all defects are told at once."""
+"""Scene files: TOML, or tables of the Python builder, become a frozen Scene; all defects are reported at once."""
 
 import json
 import re
@@ -25,9 +25,9 @@ SOURCE = re.compile(r"(printed|derived|assumed|fitted): \S.*", re.DOTALL)
 NAMED = ("stages", "rotors", "couplings", "loads")  # tables whose keys are the user's names
 LARGEST_FILE = 1_000_000
 LONGEST_NAME = 100
-"""Characters of a file's name that become the scene's."""
+"""Maximum length of a scene's name from its file name."""
 MOST_READ = 1000
-"""Defects of one kind of check that are put into words."""
+"""Largest number of defects put into words per kind of check."""
 SHIPPED = resources.files("ltcgear.symbolic") / "scenes"
 
 
@@ -38,20 +38,20 @@ def shipped_scenes() -> list[str]:
 
 @dataclass(frozen=True)
 class Source:
-    """A scene as it was written; it is read once, so that a pipe serves as well as a file.
+    """Source text of a scene; it is read once, so it may be a pipe or a file.
 
     Attributes
     ----------
     label
-        What heads the messages: the path, without what a terminal would obey.
+        Heading of messages: the path without control characters.
     name
         The scene's name.
     text
         The TOML.
     folder
-        Where the files that it names are looked up.
+        Folder of the files that it names.
     files
-        Tables of files that were read before, which are not read again.
+        Tables of files already read, which are not read again.
     """
 
     label: str
@@ -62,11 +62,11 @@ class Source:
 
     @property
     def paths(self) -> list[Path]:
-        """Return the files that were read for it."""
+        """Return the files read for it."""
         return [self.folder / name for name, *_ in self.files]
 
     def tables(self) -> Raw:
-        """Return its tables as TOML gives them.
+        """Return its tables as parsed from TOML.
 
         Raises
         ------
@@ -80,7 +80,7 @@ class Source:
 
 
 def read_source(source: str | Path | Source) -> Source:
-    """Read a scene as it was written; what was read already is returned as it is.
+    """Read the source text of a scene; a `Source` is returned unchanged.
 
     Parameters
     ----------
@@ -109,9 +109,9 @@ def load_scene(source: str | Path | Source, changes: Mapping[str, str] | None = 
     Parameters
     ----------
     source
-        Name of a shipped scene, path of a TOML file, or what `read_source` returned for one of these.
+        Name of a shipped scene, path of a TOML file, or the result of `read_source`.
     changes
-        Dotted key -> value, put in place of the file's values (as ``--set`` does).
+        Dotted key -> value that replaces the file's (as ``--set`` does).
 
     Raises
     ------
@@ -127,7 +127,7 @@ def load_scene(source: str | Path | Source, changes: Mapping[str, str] | None = 
 def make_scene(
     raw: Raw, name: str = "scene", label: str = "scene", folder: Path | None = None, files: Files | None = None
 ) -> Scene:
-    """Check a raw scene (what TOML gives) and freeze it.
+    """Validate a raw scene (tables of TOML) and freeze it.
 
     Parameters
     ----------
@@ -136,11 +136,10 @@ def make_scene(
     name
         The scene's name.
     label
-        What heads the messages.
-    folder
-        Where the files it names are looked up; the current folder where left out.
+        Heading of messages. folder
+        Folder of the files that it names; default: the current folder.
     files
-        Tables of files that were read before, which are not read again; those that are read now are added.
+        Tables of files already read, which are not read again; files read now are added.
     """
     sources: dict[str, str] = {}
     faults: list[str] = []
@@ -159,7 +158,7 @@ def make_scene(
 
 
 def restore_scene(text: str) -> Scene:
-    """Return the scene of ``Scene.model_dump_json()``, as result files keep it, with name and sources.
+    """Restore a scene from ``Scene.model_dump_json()``, as stored in result files, with name and sources.
 
     Raises
     ------
@@ -176,14 +175,14 @@ def restore_scene(text: str) -> Scene:
 
 
 def describe_scene(scene: Scene, text: str = "", changes: Mapping[str, str] | None = None) -> dict[str, Any]:
-    """Return what a result keeps of its scene (``attributes`` of ``simulate``), so that it can be restored from it.
+    """Return the attributes that store a scene in a result (``attributes`` of ``simulate``), for `restore_scene`.
 
     Parameters
     ----------
     scene
         The scene; all its numbers and their sources are kept.
     text, changes
-        The scene as it was written, and what was put in place of its values.
+        Source text of the scene, and the values replaced in it.
     """
     kept = {"scene": scene.name, "title": scene.title, "scene_json": scene.model_dump_json()}
     return kept | {"scene_text": text, "changes": dict(changes or {})}
@@ -192,7 +191,7 @@ def describe_scene(scene: Scene, text: str = "", changes: Mapping[str, str] | No
 def _freeze(
     plain: Raw, name: str, sources: dict[str, str], label: str, faults: list[str], context: Raw | None = None
 ) -> Scene:
-    """Make the Scene of plain values, or tell all that is wrong, ``faults`` included."""
+    """Make a Scene from plain values, or report all defects, ``faults`` included."""
     context = context or {FOLDER: Path()}
     try:
         scene = Scene.model_validate({**plain, "name": name, "sources": sources}, context=context)

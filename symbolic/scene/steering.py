@@ -1,13 +1,13 @@
-"""Steered loads: constant loads become loads over time, which another program sets while the C runs."""
+"""Steered loads: constant loads become loads over time, which another program sets at run time."""
 
 from ..schema.scene_schema import Scene
 from ..schema.series import Pairs
 
 
 def steer_loads(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
-    """Turn loads that are one number into tables that are constant.
+    """Replace constant loads by constant tables over time.
 
-    A speed is turned only if it is the one speed that drives the train: others are in a fixed ratio to it.
+    A speed is replaced only if it is the one that drives the train: others have a fixed ratio to it.
 
     Parameters
     ----------
@@ -17,7 +17,7 @@ def steer_loads(scene: Scene) -> tuple[Scene, tuple[str, ...]]:
     Returns
     -------
     tuple
-        The scene with its loads over time, and the names of the tables that stand for numbers.
+        The scene with its loads over time, and the names of the tables that replace numbers.
     """
     held = [name for name, load in scene.loads.items() if load.holds and (load.speed_over_time or load.speed)]
     loads, tables = dict(scene.loads), []

@@ -1,9 +1,9 @@
-"""Bounds of backlash and tooth errors beside the size of the teeth.
+"""Bounds of backlash and tooth errors relative to the size of the teeth.
 
-A tooth is pi / 2 modules thick at its reference circle, and two of them work 2 modules deep. The coarsest grade of
-ISO 1328-1 allows pitch and profile deviations of about a tenth of a module (grade 12, from module 0.5 mm on); beyond
-half a module a tooth stands in its neighbour's gap. A gap or a centre that moves by a module leaves half the working
-depth, or a third of the tooth. What is larger was meant in another unit.
+A tooth is pi / 2 modules thick at its reference circle, and two of them work 2 modules deep. The coarsest grade of ISO
+1328-1 allows pitch and profile deviations of about a tenth of a module (grade 12, from module 0.5 mm on); beyond half a
+module a tooth lies in its neighbour's gap. A gap, or an offset of the centre, of a module leaves half the working
+depth, or a third of the tooth. Larger values indicate a wrong unit.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,16 +13,16 @@ from ..schema.mesh_schema import Mesh
 from ..schema.scene_schema import PARTS, Gear, Pair, Planetary
 
 OF_DISTANCE = 0.05
-"""The most that a gap or an error may be of the centre distance."""
+"""Largest ratio of a gap or an error to the centre distance."""
 ERROR, GAP = 0.5, 1.0
-"""The most that an error along the line of action, and a gap or the way of a centre, may be of the module."""
+"""Largest ratios to the module: of an error along the line of action, and of a gap or an offset of a centre."""
 FEWEST = 6
-"""Teeth of a gear of which only the base radius is known; fewer have none that are larger."""
+"""Teeth assumed for a gear with only a base radius: few, hence large teeth."""
 Places = Sequence[tuple[str, Mesh, Gear, Gear, int]]
 
 
 def oversized(key: str, stage: Planetary | Pair, meshes: Places) -> Iterator[str]:
-    """Tell which gaps and errors of a stage are too large to be any, or negative gaps."""
+    """List gaps and errors of a stage that are too large, and negative gaps."""
     module, name_of_it = tooth_size(stage, meshes)
     distance = OF_DISTANCE * gear_geometry.stage_distance(stage)
     sizes = [(name, size, ERROR) for name, size in _errors(meshes)]
@@ -37,7 +37,7 @@ def oversized(key: str, stage: Planetary | Pair, meshes: Places) -> Iterator[str
 
 
 def tooth_size(stage: Planetary | Pair, meshes: Places) -> tuple[float, str]:
-    """Return the module [m], or what stands for it where it is not known, and its name in words."""
+    """Return the module [m], or its substitute if unknown, and its name in words."""
     if stage.module is not None:
         return stage.module, "the module"
     radii = [(gear_geometry.base_radius(stage, gear), gear.teeth) for _, _, *pair, _ in meshes for gear in pair]
@@ -48,7 +48,7 @@ def tooth_size(stage: Planetary | Pair, meshes: Places) -> tuple[float, str]:
 
 
 def _errors(meshes: Places) -> Iterator[tuple[str, float]]:
-    """Yield what shifts flanks along the line of action: key below the stage, size [m]."""
+    """Yield flank errors along the line of action: key below the stage, size [m]."""
     for name, mesh, *_ in meshes:
         yield from ((f"{name}.tooth_errors.{i}.error", item.error) for i, item in enumerate(mesh.tooth_errors))
         error = mesh.transmission_error
@@ -60,7 +60,7 @@ def _errors(meshes: Places) -> Iterator[tuple[str, float]]:
 
 
 def _gaps(stage: Planetary | Pair, meshes: Places) -> Iterator[tuple[str, float]]:
-    """Yield gaps, and by how much centres may lie beside their place: key below the stage, size [m]."""
+    """Yield gaps and offsets of centres: key below the stage, size [m]."""
     for name, mesh, *_ in meshes:
         yield f"{name}.backlash", mesh.backlash
     for part in (*PARTS[stage.kind], *(("planet",) if isinstance(stage, Planetary) else ())):

@@ -1,4 +1,4 @@
-"""TOML parsing with bounds: text that would take a parser too long is refused by a scan before it runs."""
+"""TOML parsing with bounds: a scan refuses text that would take the parser too long."""
 
 import re
 import tomllib
@@ -7,9 +7,9 @@ from typing import Any
 Raw = dict[str, Any]
 
 MOST_PARTS = 10
-"""Parts of a dotted key, and brackets open at the same time; the deepest key of a scene has seven parts."""
+"""Largest number of parts of a dotted key, and of open brackets; the deepest key of a scene has seven parts."""
 LONGEST_WORD = 200
-"""Characters of a key or number without quotes."""
+"""Largest length of an unquoted key or number."""
 TEXTS = re.compile(  # an open one ends with the line or the file, so that every character is looked at once
     r'"""(?:\\.|"{1,2}(?!")|[^"\\])*+"{0,5}'
     r"|'''(?:'{1,2}(?!')|[^'])*+'{0,5}"
@@ -26,7 +26,7 @@ BRACKETS = re.compile(r"[\[\]{}]")
 
 
 class TomlError(ValueError):
-    """Text that is no TOML, or goes beyond all bounds."""
+    """Text that is not TOML, or exceeds the bounds."""
 
 
 def parse_toml(text: str) -> Raw:
@@ -35,7 +35,7 @@ def parse_toml(text: str) -> Raw:
     Raises
     ------
     TomlError
-        If it is no TOML, or nests deeper or has longer keys than any scene.
+        If it is not TOML, or nests deeper or has longer keys than any scene.
     """
     fault = find_excess(text)
     if fault:
@@ -47,9 +47,9 @@ def parse_toml(text: str) -> Raw:
 
 
 def find_excess(text: str) -> str:
-    """Say where a text goes beyond the bounds, with the cure; nothing where it does not.
+    """Say where a text exceeds the bounds, with the cure; empty if it does not.
 
-    The time is in proportion to its length. A text in quotes or a comment counts as one letter.
+    The time is proportional to its length. A quoted text or a comment counts as one character.
     """
     bare = TEXTS.sub(lambda found: "'" + "\n" * found[0].count("\n"), text)
     long = LONG_WORD.search(bare)
@@ -70,5 +70,5 @@ def find_excess(text: str) -> str:
 
 
 def _line(text: str, at: int) -> str:
-    """Name the line of a place in a text."""
+    """Return the line of a position in a text, in words."""
     return f"line {text.count(chr(10), 0, at) + 1}"

@@ -1,4 +1,4 @@
-"""Validation across tables: names that refer to nothing, gears that cannot mesh, motion that is undetermined."""
+"""Validation across tables: unknown names, gears that cannot mesh, undetermined motion."""
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
@@ -31,7 +31,7 @@ ONE_STAGE: TypeAdapter[Planetary | Pair] = TypeAdapter(Annotated[Planetary | Pai
 
 
 def validate(scene: Scene) -> list[str]:
-    """Return every defect of a scene that is well-formed, each as key, reason and cure."""
+    """Return every defect of a well-formed scene, each as key, reason and cure."""
     plain = {
         "loads": {key: {"member": load.member} for key, load in scene.loads.items()},
         "couplings": {key: {"between": item.between} for key, item in scene.couplings.items()},
@@ -46,7 +46,7 @@ def validate(scene: Scene) -> list[str]:
 
 
 def validate_parts(plain: Mapping[str, Any], context: Mapping[str, Any]) -> list[str]:
-    """Return the defects that can be seen in a scene though some of its tables are not well-formed.
+    """Return the detectable defects of a scene with malformed tables.
 
     ``context`` is pydantic's, with the folder of the scene file.
     """
@@ -69,7 +69,7 @@ def validate_parts(plain: Mapping[str, Any], context: Mapping[str, Any]) -> list
 
 
 def too_many(plain: Mapping[str, Any]) -> Iterator[str]:
-    """Tell which tables of a raw scene have more entries than any drive train, before anything else is done."""
+    """List tables of a raw scene with more entries than any drive train; the first check."""
     stages = [stage for stage in _table(plain, "stages").values() if isinstance(stage, dict)]
     planets = [n for n in (stage.get("planets") for stage in stages) if isinstance(n, int) and 0 < n <= MOST_PLANETS]
     others = [len(PARTS.get(str(stage.get("kind")), ())) for stage in stages]
@@ -82,13 +82,13 @@ def too_many(plain: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _table(plain: Mapping[str, Any], key: str) -> dict[str, Any]:
-    """Return a table of the raw scene, empty where there is something else."""
+    """Return a table of the raw scene, empty if it is not a table."""
     table = plain.get(key)
     return table if isinstance(table, dict) else {}
 
 
 def _names(stages: Mapping[str, object], rotors: Mapping[str, object]) -> Iterator[str]:
-    """Check that names of stages and rotors are free."""
+    """Check that names of stages and rotors are unique."""
     for name in stages:
         if name in rotors:
             yield f"rotors.{name}: a stage has this name already; choose another"
@@ -99,7 +99,7 @@ def _names(stages: Mapping[str, object], rotors: Mapping[str, object]) -> Iterat
 
 
 def _references(everyone: Mapping[str, Member | Rotor | None], plain: Mapping[str, Any]) -> Iterator[str]:
-    """Check the names in loads and couplings; ``everyone`` holds None for a member that is not well-formed."""
+    """Check the names in loads and couplings; ``everyone`` has None for a malformed member."""
     known = [name for name in everyone if not name.endswith(".planet")]
     used: list[tuple[str, object]] = []
     for key, load in _table(plain, "loads").items():
@@ -122,7 +122,7 @@ def _references(everyone: Mapping[str, Member | Rotor | None], plain: Mapping[st
 
 
 def _loads(scene: Scene) -> Iterator[str]:
-    """Check that speeds are given once, and not to members that cannot turn."""
+    """Check that speeds are given once, and not to members that cannot rotate."""
     everyone = members(scene)
     given = [load.member for load in scene.loads.values() if load.holds or load.initial_speed is not None]
     for name in dict.fromkeys(name for name in given if given.count(name) > 1):
@@ -198,7 +198,7 @@ def _sizes(key: str, stage: Planetary) -> Iterator[str]:
 
 
 def _centre_distance(key: str, stage: Planetary | Pair) -> Iterator[str]:
-    """Check that there is one centre distance and that the teeth agree on it."""
+    """Check that there is one centre distance, consistent with the teeth."""
     if stage.center_distance is not None:
         return
     wheels = [gear for _, _, *pair, _ in meshes(stage) for gear in pair]
@@ -255,7 +255,7 @@ def _mesh(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear, s
 
 
 def _profile(key: str, geometry: tuple[Planetary | Pair, Mesh, Gear, Gear, int]) -> Iterator[str]:
-    """Check that transitions have room and that what a table's harmonics give is a stiffness."""
+    """Check that transitions fit into the pitch and that a table's harmonics give a positive stiffness."""
     mesh = geometry[1]
     single, double = mesh_stiffness.levels(*geometry)
     if double is not None:
@@ -271,7 +271,7 @@ def _profile(key: str, geometry: tuple[Planetary | Pair, Mesh, Gear, Gear, int])
 
 
 def _positive(key: str, count: int, series: Callable[[int], list[float]]) -> Iterator[str]:
-    """Check that a series of so many harmonics is a stiffness all over the pitch."""
+    """Check that a series with a number of harmonics is positive over the whole pitch."""
     least = mesh_stiffness.least_value(tuple(series(count)))
     if least <= 0:
         lawful = mesh_stiffness.lawful_counts(series(MOST_HARMONICS))
@@ -300,7 +300,7 @@ def _tooth_errors(
 
 
 def _computable(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two: Gear) -> Iterator[str]:
-    """Check that the stiffness follows from the teeth."""
+    """Check that the stiffness can be computed from the teeth."""
     if stage.module is None or one.teeth is None or two.teeth is None:
         yield f"{key}.face_width: needs teeth, module and pressure_angle; give stiffness instead"
     elif stage.helix_angle:
@@ -334,7 +334,7 @@ def _contact_ratio(key: str, stage: Planetary | Pair, mesh: Mesh, one: Gear, two
 
 
 def _sliding(name: str, stage: Planetary | Pair, friction: str) -> Iterator[str]:
-    """Check that sliding friction knows where the teeth touch: between the base circles, one or two pairs."""
+    """Check that sliding friction has its contacts: between the base circles, one or two pairs."""
     for mesh_name, mesh, one, two, sigma in meshes(stage):
         key = f"stages.{name}.{mesh_name}"
         if friction != "sliding" or mesh.friction is None:
@@ -358,7 +358,7 @@ def _sliding(name: str, stage: Planetary | Pair, friction: str) -> Iterator[str]
 
 
 def _room(key: str, stage: Planetary) -> Iterator[str]:
-    """Check that neighbouring planets pass each other, by their base circles at least."""
+    """Check that neighbouring planets do not collide, at least not at their base circles."""
     around = sorted(angle % tau for angle in planet_angles(stage))
     gaps = [two - one for one, two in pairwise([*around, around[0] + tau])]
     room = 2 * gear_geometry.stage_distance(stage) * abs(cos((pi - min(gaps)) / 2))
@@ -390,6 +390,6 @@ def _assembly(key: str, stage: Planetary) -> Iterator[str]:
 
 
 def _support(key: str, stage: Planetary) -> Iterator[str]:
-    """Check that something holds the stage sideways."""
+    """Check that the stage has a lateral support."""
     if stage.sun.support == stage.ring.support == stage.carrier.support == "floating":
         yield f"{key}: sun, ring and carrier all float, so nothing holds the stage; give one of them a bearing"

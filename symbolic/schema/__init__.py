@@ -1,1 +1,1 @@
-"""The scene's schema: strict tables, quantities with units, the table of effects."""
+"""Schema of a scene: strict tables, quantities with units, the table of effects."""

@@ -1,4 +1,4 @@
-"""Table of effects: feeds validation, warnings, costs, the command line, the docs and the builder."""
+"""Table of effects: source of validation, warnings, costs, command line, docs and builder."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True)
 class Exclusion:
-    """Values of another effect that one cannot stand beside, and why."""
+    """Values of another effect that exclude one, and why."""
 
     effect: str
     values: tuple[str, ...]
@@ -15,24 +15,24 @@ class Exclusion:
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect that a scene can call for.
+    """An effect that a scene can select.
 
     Attributes
     ----------
     name, values
         Key under ``[effects]`` and its allowed values.
     default
-        Value of a scene that does not say.
+        Value if the scene gives none.
     without
-        Value that leaves the effect out: no symbol, no state, no operation of it is generated.
+        Value without the effect: none of its symbols, states or operations is generated.
     help
         What it does.
     source
         Equation number or citation.
     needs
-        Value -> what a scene must have for it to act; a scene without it is warned.
+        Value -> what a scene must have for it to act; without it there is a warning.
     excludes
-        Value -> what it cannot stand beside; a scene with both is refused.
+        Value -> what it excludes; a scene with both is refused.
     """
 
     name: str
@@ -234,7 +234,7 @@ BY_NAME: dict[str, Effect] = {effect.name: effect for effect in EFFECTS}
 
 
 def contradictions(chosen: Mapping[str, str]) -> Iterator[str]:
-    """Tell which of the chosen values (all effects, by name) cannot stand together; one line a pair."""
+    """Tell which of the chosen values (all effects, by name) exclude each other; one line per pair."""
     for effect in EFFECTS:
         value = chosen[effect.name]
         for exclusion in effect.excludes.get(value, ()):
@@ -245,5 +245,5 @@ def contradictions(chosen: Mapping[str, str]) -> Iterator[str]:
 
 
 def _other(effect: Effect, excluded: tuple[str, ...]) -> str:
-    """Write an effect with the values that it may have instead."""
+    """Write an effect with its remaining values."""
     return f"{effect.name} = " + " or ".join(f'"{value}"' for value in effect.values if value not in excluded)

@@ -1,4 +1,4 @@
-"""The tables of a gear mesh: stiffness, damping, contact, friction, errors of its teeth."""
+"""Schema of a gear mesh: stiffness, damping, contact, friction, tooth errors."""
 
 from collections.abc import Iterator
 from typing import Annotated, Literal
@@ -14,7 +14,7 @@ SHORTEST = 1e-6  # [pitches] that single or double contact lasts, where there is
 
 
 class Friction(SceneTable):
-    """Friction of a mesh; acts when ``mesh_friction`` is on, ``damping`` at the pitch point only."""
+    """Mesh friction; acts when ``mesh_friction`` is on, ``damping`` at the pitch point only."""
 
     coefficient: Annotated[float, Field(ge=0, lt=1)]
     speed: Velocity = 0.01
@@ -37,8 +37,8 @@ def _periodic(key: str, table: Pairs | None) -> Iterator[str]:
 class GivenTransmissionError(SceneTable):
     """Static transmission error along the line of action over the mesh phase; acts with ``transmission_error``.
 
-    Given by harmonics, e = sum of amplitude cos(2 pi n tau + phase) over n = 1, 2, ... (phases left out are
-    zero), or by a table over a tooth pitch, of which the mesh's ``harmonics`` are kept.
+    Given by harmonics, e = sum of amplitude cos(2 pi n tau + phase) over n = 1, 2, ... (omitted phases are zero), or by
+    a table over a tooth pitch, of which the mesh's ``harmonics`` are kept.
     """
 
     amplitudes: Annotated[list[Bore], Field(max_length=MOST_HARMONICS)] = []
@@ -46,7 +46,7 @@ class GivenTransmissionError(SceneTable):
     table: Annotated[Pairs, Series("", "m")] | None = None
 
     def faults(self) -> Iterator[str]:
-        """Check that there is one description, and that phases belong to amplitudes."""
+        """Check that there is exactly one description, and that phases belong to amplitudes."""
         if bool(self.amplitudes) == (self.table is not None):
             yield "give either amplitudes or a table"
         yield from _periodic(".table", self.table)
@@ -55,7 +55,7 @@ class GivenTransmissionError(SceneTable):
 
 
 class ToothError(SceneTable):
-    """Spacing error of one tooth [m], positive where it lies back from its place; acts with ``tooth_errors``.
+    """Spacing error of one tooth [m], positive if the tooth lags its position; acts with ``tooth_errors``.
 
     Tooth 0 of a gear is the one whose single contact begins at mesh phase 0.
     """
@@ -69,13 +69,12 @@ class ToothError(SceneTable):
 class Mesh(SceneTable):
     """A gear mesh.
 
-    ``stiffness`` is that of single contact (or the constant one); alternatively
-    ``torsional_stiffness`` with its ``reference`` gear, k = K / r_b^2. ``double_factor`` is the
-    paper's xi: double contact is that much stiffer. Without it the stiffness is constant. From
-    ``face_width`` both levels are computed (spur gears). ``transition`` is the width of ``smooth`` transitions
-    in tooth pitches (where left out `TRANSITION`, or the shorter of single and double contact), ``harmonics`` how
-    many of the mesh frequency ``fourier`` and ``table`` keep, the latter of ``stiffness_table``, stiffness over the
-    mesh phase (0 where single contact begins, 1 a tooth pitch later).
+    ``stiffness`` is that of single contact (or the constant one); alternatively ``torsional_stiffness`` with its
+    ``reference`` gear, k = K / r_b^2. ``double_factor`` is the paper's xi, the ratio of double to single contact.
+    Without it the stiffness is constant. From ``face_width`` both levels are computed (spur gears). ``transition`` is
+    the width of ``smooth`` transitions in tooth pitches (default `TRANSITION`, or the shorter of single and double
+    contact). ``harmonics`` is the number of mesh harmonics that ``fourier`` and ``table`` keep. ``table`` uses
+    ``stiffness_table``, stiffness over the mesh phase (0 where single contact begins, 1 a tooth pitch later).
     """
 
     stiffness: Stiffness | None = None
@@ -97,7 +96,7 @@ class Mesh(SceneTable):
     tooth_errors: Annotated[list[ToothError], Field(max_length=200)] = []
 
     def faults(self) -> Iterator[str]:
-        """Check that there is one stiffness and one damping."""
+        """Check that there is exactly one stiffness and one damping."""
         yield from super().faults()
         given = sum(k is not None for k in (self.stiffness, self.torsional_stiffness, self.face_width))
         if given > 1 or (given == 0 and self.stiffness_table is None):

@@ -12,14 +12,14 @@ from .ranges import MODULE, RANGES, check_range
 from .series import Pairs, Series
 
 JOINERS = "\u200c\u200d"
-"""Marks between letters that some scripts need."""
+"""Joining characters that some scripts need between letters."""
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """Marks a float field that is written as text with a unit and kept in SI.
+    """Marker of a float field that is written as text with a unit and kept in SI.
 
-    ``bounds`` are those of its unit where there are none of its own.
+    ``bounds`` default to those of its unit.
     """
 
     unit: str
@@ -39,7 +39,7 @@ class Quantity:
 
 
 def check_line(text: str) -> str:
-    """Return a text that is one line of characters which a terminal shows, and obeys none of.
+    """Return a text if it is a single line of printable characters.
 
     Raises
     ------
@@ -89,13 +89,13 @@ class SceneTable(BaseModel):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        """Refuse keys that do not go together; one line a defect."""
+        """Refuse inconsistent keys; one line per defect."""
         found = list(self.faults())
         if found:
             raise ValueError("\n".join(found))
         return self
 
     def faults(self) -> Iterator[str]:
-        """Tell what does not go together in this table; a fault of one key begins with ``.key: ``."""
+        """List inconsistencies of this table; a fault of one key begins with ``.key: ``."""
         if getattr(self, "damping", None) is not None and getattr(self, "damping_ratio", None) is not None:
             yield "give either damping or damping_ratio, not both"

@@ -1,6 +1,6 @@
-"""Ranges of sizes that a gearbox can have, from micrometres to the largest machines.
+"""Valid ranges of quantities of a gearbox, from micrometres to the largest machines.
 
-Assumed, with some orders of magnitude of room on both sides: they are there for slips of units and exponents.
+Assumed, with some orders of magnitude of margin on both sides: they catch mistakes in units and exponents.
 """
 
 RANGES = {
@@ -21,7 +21,7 @@ RANGES = {
     "m/s": (1e-12, 1e4),
     "m/s^2": (1e-9, 1e4),
 }
-"""SI unit -> least of what must be greater than zero, and most of any size; what may be zero may be as small."""
+"""SI unit -> lower limit of quantities that must be positive, and upper limit of all magnitudes."""
 MODULE = (1e-6, 0.5)
 """Range of a module [m]."""
 

@@ -1,4 +1,4 @@
-"""The scene's schema: strict pydantic models; every quantity is text with a unit."""
+"""Schema of a scene: strict pydantic models; every quantity is text with a unit."""
 
 from collections.abc import Iterator, Sequence
 from difflib import get_close_matches
@@ -102,7 +102,7 @@ class TorsionalSupport(SceneTable):
 
 
 class Member(SceneTable):
-    """A body that turns; mass and inertia are given, or computed from a disc."""
+    """A rotating body; mass and inertia are given, or computed from a disc."""
 
     support: Literal["fixed", "rigid", "bearing", "floating"] = "floating"
     bearing: Bearing | None = None
@@ -128,7 +128,7 @@ class Member(SceneTable):
 
 
 class Eccentricity(SceneTable):
-    """How far the centre of a gear's teeth lies from its axis, and where at angle zero; acts with ``eccentricity``."""
+    """Offset of a gear's tooth centre from its axis, and its direction at angle zero; acts with ``eccentricity``."""
 
     radius: Bore
     angle: Angle = 0.0
@@ -137,8 +137,8 @@ class Eccentricity(SceneTable):
 class Gear(Member):
     """A gear: teeth (radii then follow from module and angles) or an explicit base radius.
 
-    ``tooth_thinning`` is by how much its tolerance makes a tooth thinner, measured in the normal section on the
-    reference circle (DIN 3967); with ``contact = "backlash"`` it opens the gap.
+    ``tooth_thinning`` is the tooth thickness allowance in the normal section on the reference circle (DIN 3967); with
+    ``contact = "backlash"`` it adds to the gap.
     """
 
     teeth: Annotated[int, Field(ge=3, le=100000)] | None = None
@@ -149,7 +149,7 @@ class Gear(Member):
 
 
 class Stage(SceneTable):
-    """What planetary stages and parallel pairs share: the tooth system."""
+    """Base of planetary stages and parallel pairs: the tooth system."""
 
     module: Module | None = None
     pressure_angle: Angle | None = None
@@ -159,7 +159,7 @@ class Stage(SceneTable):
 
 
 class PositionError(SceneTable):
-    """How far a planet's pin lies from its place: outwards, and counter-clockwise along the pin circle.
+    """Position error of a planet's pin: outwards, and counter-clockwise along the pin circle.
 
     It acts when ``planet_position_error`` is on.
     """
@@ -216,7 +216,7 @@ class Pair(Stage):
 
 
 class Rotor(SceneTable):
-    """An inertia that only turns: motor, shaft, generator."""
+    """An inertia that only rotates: motor, shaft, generator."""
 
     inertia: Inertia | None = None
     disc: Disc | None = None
@@ -246,13 +246,13 @@ class Slip(SceneTable):
     breakdown_slip: Ratio
 
     def faults(self) -> Iterator[str]:
-        """Check that slip can be told."""
+        """Check that the slip is defined."""
         if self.synchronous_speed == 0:
             yield ".synchronous_speed: must not be zero, slip refers to it"
 
 
 class Load(SceneTable):
-    """What acts on a member: a speed that is held, or a torque (with the speed at the start).
+    """Load on a member: a prescribed speed, or a torque (with the speed at the start).
 
     Over time both are linear between the rows of their table and constant beyond its ends.
     """
@@ -267,11 +267,11 @@ class Load(SceneTable):
 
     @property
     def holds(self) -> bool:
-        """Tell whether it holds a speed."""
+        """Tell whether it prescribes a speed."""
         return self.speed is not None or self.speed_over_time is not None
 
     def faults(self) -> Iterator[str]:
-        """Check that there is one load."""
+        """Check that there is exactly one load."""
         kinds = ("speed", "torque", "speed_over_time", "torque_over_time", "slip")
         given = [kind for kind in kinds if getattr(self, kind) is not None]
         if len(given) != 1:
@@ -306,7 +306,7 @@ class Simulation(SceneTable):
     rate: Rate | None = None
 
     def faults(self) -> Iterator[str]:
-        """Check that the result fits a computer."""
+        """Check that the number of samples is bounded."""
         if self.rate is not None and self.t_end * self.rate > MOST_SAMPLES:
             asked = f"{self.t_end * self.rate:.2g} samples"
             yield f".rate: t_end times rate are {asked}, above {MOST_SAMPLES:.0e}; lower one"
@@ -330,7 +330,7 @@ def _effects(chosen: object) -> dict[str, str]:
 
 
 def suggest(name: object, known: Sequence[str], what: str) -> str:
-    """Return the cure for a name that is not known: the nearest one, or all there are."""
+    """Return the cure for an unknown name: the nearest one, or all names."""
     near = get_close_matches(str(name)[:80], known, 1)
     return f'did you mean "{near[0]}"?' if near else f"{what}: {', '.join(known)}"
 

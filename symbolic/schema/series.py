@@ -21,19 +21,19 @@ Reader = Callable[[object], float]
 MOST_ROWS = 100_000
 LARGEST_FILE = 10_000_000
 MOST_TOLD = 5
-"""Faults of one table that are told; more of them are counted."""
+"""Largest number of reported faults per table; the rest are counted."""
 HEADING = re.compile(r"[^\[\]]*\S\s*\[([^\[\]]*)\]\s*")
 PLAIN = ("", "1", "-")
 """How a header may write the unit of a plain number."""
 FOLDER, FILES = "folder", "files"
-"""Keys of pydantic's validation context: the folder of the scene file, and tables that were read before."""
+"""Keys of pydantic's validation context: the folder of the scene file, and tables already read."""
 Files = dict[tuple[str, str, str], Pairs]
 """Tables by name of the file and units of its columns."""
 
 
 @dataclass(frozen=True)
 class Series:
-    """Marks a field that is a table of pairs, its first column strictly ascending, kept in SI.
+    """Marker of a field that is a table of pairs, its first column strictly ascending, kept in SI.
 
     A scene writes it as a list of pairs of texts with units, or as the name of a CSV file whose one header
     line names both columns with their units in brackets. A relative name is looked up in the folder that the
@@ -54,7 +54,7 @@ class Series:
         Raises
         ------
         ValueError
-            If it is no such table; each line of the message tells row, reason and cure.
+            If the table is invalid; each line of the message gives row, reason and cure.
         """
         if isinstance(value, str):
             return self._kept_file(value, info.context or {})
@@ -78,7 +78,7 @@ class Series:
         return f'write it like [["{zero[0]}", "{zero[1]}"], ["{one[0]}", "{one[1]}"]]'
 
     def _kept_file(self, name: str, context: Mapping[str, Any]) -> Pairs:
-        """Read a CSV file, unless that was done before."""
+        """Read a CSV file, or return it from the cache."""
         files: Files | None = context.get(FILES)
         key = (name, self.first, self.second)
         if files is not None and key in files:
@@ -101,7 +101,7 @@ class Series:
         return _pairs(lines[1:], (_times(first, self.first), _times(second, self.second)), "write it like 0.5,1.2")
 
     def _factors(self, shown: str, header: Sequence[str]) -> list[float]:
-        """Return what takes the columns under a header to SI."""
+        """Return the factors from the columns under a header to SI."""
         cure = f'begin the file with a line like "first [{self.first}],second [{self.second}]"'
         found = [HEADING.fullmatch(cell) for cell in header]
         if len(header) != 2 or not all(found):
@@ -143,17 +143,17 @@ def _pairs(rows: Sequence[tuple[str, object]], read: tuple[Reader, Reader], exam
 
 
 def _in_unit(unit: str) -> Reader:
-    """Return what reads a number of the scene: text with a unit, or a plain one where none is due."""
+    """Return the reader of numbers in a scene: text with a unit, or a plain number for the unit ``""``."""
     return (lambda value: _within(units.parse(value, unit), unit, value)) if unit else _plain
 
 
 def _times(factor: float, unit: str) -> Reader:
-    """Return what reads a number of a CSV file."""
+    """Return the reader of numbers in a CSV file."""
     return lambda text: _within(_plain(text, factor), unit, text)
 
 
 def _within(number: float, unit: str, value: object) -> float:
-    """Return a number that lies in the range of its unit."""
+    """Return a number if it is in the range of its unit."""
     if unit:
         check_range(number, unit, f"{value!r:.60}", RANGES[unit], positive=False)
     return number

@@ -7,16 +7,16 @@ from pathlib import Path
 from time import monotonic, sleep
 
 ABSENT, SILENT = 10.0, 60.0
-"""Seconds that a pipe may be without a writer, and that its writer may send nothing."""
+"""Time limits [s] of a pipe without a writer, and of a writer that sends nothing."""
 CHUNK, PAUSE = 65536, 0.02
 
 
 class UnreadableError(ValueError):
-    """What is no file, nor a pipe that gives one."""
+    """Source that is neither a file nor a pipe."""
 
 
 def read_bytes(path: Path, most: int) -> bytes:
-    """Return the bytes of a file, or of a pipe to its end; where there are more than ``most``, some more than these.
+    """Return the bytes of a file or pipe; reading stops soon after ``most`` bytes.
 
     Raises
     ------
@@ -40,12 +40,12 @@ def read_bytes(path: Path, most: int) -> bytes:
 
 
 def of_process(path: Path) -> bool:
-    """Tell whether a path is no place in a folder but what a process was handed: redirected input, ``<(...)``."""
+    """Tell whether a path is a file descriptor of the process: redirected input, ``<(...)``."""
     return path.as_posix().startswith(("/dev/", "/proc/"))
 
 
 def _drain(path: Path, most: int) -> bytes:
-    """Read a pipe to its end; it is opened without waiting for a writer, so that the wait can have an end."""
+    """Read a pipe to its end; it is opened without blocking, so that the wait for a writer can time out."""
     named = Path(os.path.realpath(path)).exists()  # what is not can get no writer any more
     data, deadline = b"", monotonic() + ABSENT * named
     pipe = os.open(path, os.O_RDONLY | os.O_NONBLOCK)

@@ -1,7 +1,7 @@
 """Units: quantities as text such as "16 mm" or "5.02e9 N/m"; a number without its unit is refused.
 
-The registry is our own short one: angle is a dimension of its own, so that Hz is not rad/s and
-N m is not N m/rad; and nothing in it can be anything but a unit.
+The short registry is our own: angle is a dimension, so that Hz is not rad/s and N m is not N m/rad, and it contains
+nothing but units.
 """
 
 import re
@@ -53,7 +53,7 @@ EXAMPLES = {
 
 @cache
 def registry() -> "pint.UnitRegistry[Fraction]":
-    """Return the unit registry, made on first use; it counts in fractions, so that no power of a unit is rounded."""
+    """Return the unit registry, made on first use; it uses fractions, so that no power of a unit is rounded."""
     import pint
 
     units: pint.UnitRegistry[Fraction] = pint.UnitRegistry(None, non_int_type=Fraction)

@@ -1,4 +1,4 @@
-"""Equations 1 to 30 as printed: angles, deflections, stiffness, forces; and the exact law beside them."""
+"""Equations 1 to 30 as printed: angles, deflections, stiffness, forces; and the exact law."""
 # ruff: noqa: I001 - so many letters on few lines
 
 from collections.abc import Mapping
@@ -179,4 +179,4 @@ EXACT: Mapping[str, sp.Expr] = MappingProxyType({
     "delta_n,PS": r_Pb * off_PS + SLACK_S, "delta_n,PR": -r_Pb * off_PR + SLACK_R,
     "delta_t_PS": -(r_Sb + r_Pb) * sp.log(d_PS / d_PS0), "delta_t_PR": -(r_Rb - r_Pb) * sp.log(d_PR / d_PR0),
 })  # fmt: skip
-"""The involute's exact law in the paper's symbols, for the rows that are right to first order only."""
+"""The exact involute law in the paper's symbols, for the rows that are correct to first order only."""

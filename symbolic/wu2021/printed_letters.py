@@ -1,4 +1,4 @@
-"""Symbols of the paper, by the names that they have in print."""
+"""Symbols of the paper, by their printed names."""
 # ruff: noqa: N816 - the paper's letters
 
 import sympy as sp

@@ -1,4 +1,4 @@
-"""Misprints: the edits that put a printed expression right, and what each misprint does."""
+"""Misprints: the edits that correct a printed expression, and the effect of each misprint."""
 # ruff: noqa: I001 - so many letters on few lines
 
 from collections.abc import Callable, Mapping
@@ -81,12 +81,12 @@ FAMILIES: tuple[tuple[sp.Symbol, ...], ...] = (
     (mu_PS, mu_PR),
     (c_PS, c_PR),
 )
-"""Symbols that print mistakes exchange for one another."""
+"""Symbols that misprints exchange."""
 
 
 @dataclass(frozen=True)
 class Edit:
-    """One slip of the pen, put right: what it concerns, how it reads, and the expression after it."""
+    """One corrected misprint: its subject, its text, and the corrected expression."""
 
     slot: str
     reads: str
@@ -180,4 +180,4 @@ MEANING: Mapping[tuple[str, str], str] = {
     ("bearing", "left out"): "eq 30 has it",
     ("angle", "quadrant"): "half a turn off wherever the planet lies left of the gear",
 }
-"""(First word of a term group, slot of an edit) -> what it does."""
+"""(First word of a term group, slot of an edit) -> effect of the misprint."""
