@@ -20,6 +20,7 @@ from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.topology import Topology
+from ltcgear.runtime.results.amplitude_spectrum import Sources
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.runtime.studies.wu2021.line_origins import forced_name, printed_lines
 from ltcgear.runtime.view.figures.shape_figures import draw_shapes
@@ -99,10 +100,10 @@ def lines(scene: Scene) -> dict[float, tuple[str, list[str]]]:
     """Return the lines of Table 8: what explains each but for a free vibration, and where it was seen."""
     told = describe(scene)
     meshes = {name: stage["mesh_frequency_hz"] for name, stage in told["stages"].items()}
-    turns = {
-        name: abs(member["speed_rpm"]) / 60 for name, member in told["members"].items() if name.endswith(".carrier")
-    }
-    return {value: (forced_name(value, meshes, turns), places) for value, places in printed_lines().items()}
+    carriers = {f"{name}.carrier": name for name in told["stages"] if f"{name}.carrier" in told["members"]}
+    turns = {name: abs(told["members"][name]["speed_rpm"]) / 60 for name in carriers}
+    sources = Sources(meshes, turns, stages=carriers)
+    return {value: (forced_name(value, sources), places) for value, places in printed_lines().items()}
 
 
 def line_table(scene: Scene, modes: list[Mode]) -> str:

@@ -13,7 +13,7 @@ import pytest
 from ltcgear.generated import store as generated_store
 from ltcgear.generated import writing
 from ltcgear.runtime.cli import commands
-from ltcgear.runtime.model import cstruct, library
+from ltcgear.runtime.model import building, cstruct
 from ltcgear.runtime.simulation import integration
 from ltcgear.runtime.view.tables import printed
 from ltcgear.symbolic.scene.load import shipped_scenes
@@ -483,7 +483,7 @@ def test_a_compiler_that_is_not_there_is_exit_code_3(refused, monkeypatch):
 
 
 def test_without_a_compiler_the_virtual_machine_serves_all_but_simulations(run, monkeypatch):
-    monkeypatch.setattr(library.store, "compiler", lambda: None)
+    monkeypatch.setattr(building.store, "compiler", lambda: None)
     cstruct.engine.cache_clear()
     code, out, err = run("modes", "psh", "--json")
     assert code == 0

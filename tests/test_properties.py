@@ -103,9 +103,10 @@ def test_a_short_run_keeps_its_books(raw, seed):
     position = stage.library.index("")
     x[position] += 0.1 * np.abs(x[position]) * np.random.default_rng(seed).normal(size=len(position))
     pushed = type(at)(x, at.levels, 0.0, 0)
-    path = integrate(OperatingPoint(stage.library, stage.p, pushed), RunSettings(0.01, 8000.0, "erk", 1e-8))
+    path = integrate(OperatingPoint(stage.library, stage.p, pushed), RunSettings(0.01, 8000.0, "erk", 1e-10))
     assert path.status == "done"
-    assert abs(energy_residual(OperatingPoint(stage.library, stage.p, at), path)) < 1e-5
+    # Where teeth part, 2e-5 was seen at rtol 1e-8 and 8e-8 at 1e-10: it falls with the tolerance.
+    assert abs(energy_residual(OperatingPoint(stage.library, stage.p, at), path)) < 1e-6
 
 
 # --- symmetry

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
 
+from ..model.blas import single_threaded
 from ..model.library import Library
 from ..model.load_tables import Pairs
 from ..model.operating_point import OperatingPoint
@@ -43,6 +44,7 @@ class Work:
     cure: str
 
 
+@single_threaded()
 def check_run(point: OperatingPoint, settings: RunSettings) -> None:
     """Refuse a run that would take more than about an hour, unless it is asked for (``long``).
 
