@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ltcgear.generated.errors import LtcgearError
 
@@ -88,7 +88,7 @@ def acting_effects(scene: Scene, model: Model) -> list[dict[str, str]]:
 
 def _difference(plain: Model, model: Model) -> str:
     """Say what a model has in addition to a simpler one."""
-    before, now = ({i.name + i.group: i for i in m.instances} for m in (plain, model))
+    before, now = _written(plain), _written(model)
     changed = [now[key] for key in now if key in before and now[key] != before[key]]
     old, new = plain.values(), model.values()
     parts = [
@@ -102,6 +102,11 @@ def _difference(plain: Model, model: Model) -> str:
         _number(sum(new[key] != old[key] for key in set(new) & set(old)), "other value", "other values"),
     ]
     return ", ".join(part for part in parts if part)
+
+
+def _written(model: Model) -> dict[str, Instance]:
+    """Return the element instances by name and law; which axes are live is a matter of the model, not of theirs."""
+    return {i.name + i.group: replace(i, element=replace(i.element, live=())) for i in model.instances}
 
 
 def _counted(instances: list[Instance], words: str) -> list[str]:

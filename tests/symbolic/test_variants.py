@@ -89,3 +89,11 @@ def test_what_an_effect_does_is_counted():
 def test_freedoms_are_those_of_the_manifest():
     assert build_model(load_scene("rig-2mw")).freedoms == 41
     assert effects.BY_NAME["mesh_law"].without == "involute"
+
+
+def test_a_law_of_angles_is_the_same_whatever_moves_sideways():
+    scene = load_scene("rig-2mw")
+    here = {row["effect"]: row["here"] for row in acting_effects(scene, build_model(scene))}
+    assert "mesh: 15 with other terms" in here["lateral"]
+    assert "coupling" not in here["lateral"]
+    assert "torque" not in here["lateral"]
