@@ -12,7 +12,7 @@ def test_no_module_imports_itself_in_a_circle():
 
 def test_runtime_has_its_rooms_and_the_door():
     found = {path.name for path in (ROOT / "runtime").iterdir()} - {"__pycache__"}
-    assert found == {*ROOMS, "__init__.py", "py.typed"}
+    assert found == {*ROOMS, "__init__.py", "__init__.pyi", "py.typed"}
 
 
 def test_no_name_occurs_twice():
