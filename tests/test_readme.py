@@ -32,7 +32,7 @@ LEFT = {
     "docs/fmu.md": "compiles FMUs; tests/runtime/export/test_fmu.py does so with others",
     "docs/analysis.md": "the rig, analysed; tests/runtime/analysis/test_analyse.py analyses stages",
     "docs/book.md": "books; tests/test_book_pages.py reads one",
-    "docs/resonance.md": "the rig's diagrams; tests/runtime/cli/test_cli_resonance.py draws stages'",
+    "docs/resonance.md": "the rig's diagrams; tests/runtime/cli/test_resonance_commands.py draws stages'",
 }
 """Pages that only `make torture` runs, since each takes a minute here, and why that is enough."""
 SHOWN = [page for page in PAGES.pages() if PAGES.read_steps(page)]

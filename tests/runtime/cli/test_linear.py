@@ -153,3 +153,17 @@ def test_a_stiffness_of_zero_is_refused_by_its_key(run):
     code, _, err = run("modes", "psh", "--set", "stages.psh.input.bearing.stiffness=0 N/m")
     assert code == 2
     assert "stages.psh.input.bearing.stiffness" in err
+
+
+def test_modes(data, run):
+    modes = data("modes", "lin-parker-3")["modes"]
+    frequencies = [mode["frequency_hz"] for mode in modes]
+    assert frequencies == sorted(frequencies)
+    assert frequencies[0] == pytest.approx(0.0, abs=1e-2)  # the rigid-body mode is listed
+    assert {"frequency_hz", "damping_ratio", "class"} <= set(modes[0])
+    assert "Hz" in run("modes", "lin-parker-3")[1]
+
+
+def test_a_scene_without_equilibrium_is_exit_code_3(refused):
+    text = refused("modes", "lsp", "--set", "loads.ring={member='lsp.ring', torque='1 N*m'}", code=3)
+    assert text.startswith("ltcgear: ")

@@ -1,23 +1,15 @@
-"""The scene reader: shipped scenes, their sources, the round trip, and every defect in one message."""
+"""Defects of a scene: each told once, with file, key, reason and cure, and all in one message."""
 
 import math
-import os
 import random
 import re
-import tomllib
 
 import pytest
 from ltcgear.generated.errors import SceneError
 from ltcgear.symbolic.assembly import build_model
-from ltcgear.symbolic.scene.load import LARGEST_FILE, SHIPPED, load_scene, make_scene, restore_scene, shipped_scenes
-from ltcgear.symbolic.schema.effects import DEFAULTS, EFFECTS, contradictions
+from ltcgear.symbolic.scene.load import load_scene, make_scene, restore_scene
 
-LABELS = ("printed:", "derived:", "assumed:", "fitted:")
-QUANTITY = re.compile(r"\s*[+-]?[0-9.]")
-
-
-def raw(name):
-    return tomllib.loads((SHIPPED / f"{name}.toml").read_text(encoding="utf-8"))
+from ...runtime.models import raw_scene
 
 
 def put(tree, key, value):
@@ -32,7 +24,7 @@ def put(tree, key, value):
 
 
 def edited(name, changes):
-    tree = raw(name)
+    tree = raw_scene(name)
     for key, value in changes.items():
         put(tree, key, value)
     return tree
@@ -44,192 +36,6 @@ def message(tree):
     assert caught.value.exit_code == 2
     return str(caught.value)
 
-
-# --- shipped scenes
-
-
-def test_the_shipped_scenes_are_there():
-    assert {"rig-2mw", "lsp", "hsp", "psh", "lin-parker-3", "lin-parker-4", "lin-parker-5"} <= set(shipped_scenes())
-    assert shipped_scenes() == sorted(shipped_scenes())
-
-
-@pytest.mark.parametrize("name", shipped_scenes())
-def test_every_shipped_scene_loads(name):
-    scene = load_scene(name)
-    assert scene.name == name
-    assert scene.title
-    assert set(scene.effects) == set(DEFAULTS)
-    assert build_model(scene).values()
-
-
-def numbers(node, path=()):
-    """Yield dotted key and label of everything in a raw scene that is a number or a quantity."""
-    if isinstance(node, dict) and set(node) == {"value", "source"}:
-        if isinstance(node["value"], (int, float)) or QUANTITY.match(str(node["value"])):
-            yield ".".join(path), node["source"]
-    elif isinstance(node, dict):
-        for key, value in node.items():
-            yield from numbers(value, (*path, key))
-    elif isinstance(node, list):
-        for i, value in enumerate(node):
-            yield from numbers(value, (*path, str(i)))
-    elif isinstance(node, (int, float)) or (isinstance(node, str) and QUANTITY.match(node)):
-        yield ".".join(path), None
-
-
-@pytest.mark.parametrize("name", shipped_scenes())
-def test_every_number_says_where_it_comes_from(name):
-    tree = raw(name)
-    tree.pop("title")
-    tree.get("simulation", {}).pop("t_end", None)
-    found = dict(numbers(tree))
-    assert len(found) >= 10
-    assert not [key for key, source in found.items() if source is None]
-    assert not [key for key, source in found.items() if not source.startswith(LABELS)]
-    assert set(found) <= set(load_scene(name).sources)
-
-
-# Wu, Zhou, Jiang, Chen, Appl. Sci. 2021, 11, 6876; torsional stiffness in 1e8 N m/rad, bearings in 1e9 N/m.
-PRINTED = {
-    # section 3.1
-    "lsp.planets": 4,
-    "hsp.planets": 3,
-    # Table 2
-    "lsp.ring.teeth": 118,
-    "lsp.planet.teeth": 48,
-    "lsp.sun.teeth": 22,
-    "lsp.module": 0.016,
-    "lsp.pressure_angle": "20 deg",
-    "hsp.ring.teeth": 118,
-    "hsp.planet.teeth": 50,
-    "hsp.sun.teeth": 17,
-    "hsp.module": 0.012,
-    "hsp.pressure_angle": "20 deg",
-    # Table 3
-    "psh.input.teeth": 59,
-    "psh.output.teeth": 21,
-    "psh.helix_angle": "8 deg",
-    "psh.module": 0.009,
-    "psh.pressure_angle": "20 deg",
-    # Table 4, single pair and variable stiffness coefficient (section 4.1 for those that switch)
-    "lsp.sun_planet.torsional_stiffness": 1.54e8,
-    "lsp.ring_planet.torsional_stiffness": 8.78e8,
-    "hsp.sun_planet.torsional_stiffness": 1.75e8,
-    "hsp.ring_planet.torsional_stiffness": 3.20e8,
-    "psh.mesh.torsional_stiffness": 0.96e8,
-    "lsp.sun_planet.double_factor": 1.10,
-    "lsp.ring_planet.double_factor": 1.01,
-    "hsp.sun_planet.double_factor": 1.40,
-    "psh.mesh.double_factor": 1.05,
-    # Table 6, rows 1 to 3 (positions by load, READING.md)
-    "lsp.pin.stiffness": 5.02e9,
-    "hsp.pin.stiffness": 4.20e9,
-    "lsp.ring.bearing.stiffness": 2.60e9,
-}
-PRINTED_SHAFTS = {  # Table 5
-    "input_shaft": 0.49e8,
-    "lsp_hsp": 1.81e8,
-    "hsp_psh": 0.17e8,
-    "output_shaft": 0.055e8,
-    "flange": 0.45e8,
-}
-
-
-def attribute(scene, key):
-    value = scene
-    for part in key.split("."):
-        value = value[part] if isinstance(value, dict) else getattr(value, part)
-    return value
-
-
-@pytest.mark.parametrize("key", PRINTED)
-def test_printed_values_are_those_of_the_paper(key):
-    expected = PRINTED[key]
-    for name in ("rig-2mw", key.split(".")[0]):
-        scene = load_scene(name)
-        in_si = float(expected.split()[0]) * 0.017453292519943295 if isinstance(expected, str) else expected
-        assert attribute(scene.stages, key) == pytest.approx(in_si, rel=1e-14)
-        assert scene.sources[f"stages.{key}"].startswith("printed: ")
-
-
-def test_printed_values_of_shafts_and_loads():
-    scene = load_scene("rig-2mw")
-    for name, stiffness in PRINTED_SHAFTS.items():
-        assert scene.couplings[name].stiffness == pytest.approx(stiffness, rel=1e-14)
-        assert scene.sources[f"couplings.{name}.stiffness"].startswith("printed: Table 5")
-    # section 4.1: 15 rpm, 1.06e4 N m, 8192 Hz
-    assert scene.loads["motor"].speed == pytest.approx(15 * 2 * 3.141592653589793 / 60, rel=1e-14)
-    assert scene.loads["generator"].torque == -1.06e4
-    assert scene.simulation.rate == 8192.0
-
-
-def test_values_derived_from_print():
-    """Table 6, rows 4 to 7: two bearings a shaft stand side by side."""
-    psh = load_scene("rig-2mw").stages["psh"]
-    assert psh.input.bearing.stiffness == pytest.approx(3.46e9 + 3.60e9, rel=1e-14)
-    assert psh.output.bearing.stiffness == pytest.approx(2.70e9 + 0.43e9, rel=1e-14)
-
-
-def test_nothing_is_called_printed_that_the_table_here_does_not_hold():
-    scene = load_scene("rig-2mw")
-    called = {key for key, source in scene.sources.items() if source.startswith("printed:")}
-    known = {f"stages.{key}" for key in PRINTED} | {f"couplings.{key}.stiffness" for key in PRINTED_SHAFTS}
-    assert called == known | {"loads.motor.speed", "loads.generator.torque", "simulation.rate"}
-
-
-# --- the round trip
-
-
-@pytest.mark.parametrize("name", shipped_scenes())
-def test_a_scene_survives_its_json(name):
-    scene = load_scene(name)
-    again = restore_scene(scene.model_dump_json())
-    assert again == scene
-    assert again.sources == scene.sources
-    assert build_model(again).values() == build_model(scene).values()
-    assert build_model(again).structure() == build_model(scene).structure()
-
-
-def test_a_scene_with_everything_survives_its_json():
-    changes = {
-        "gravity": '["1 m/s^2", "-9.81 m/s^2"]',
-        "effects.gravity": "on",
-        "stages.lsp.planet_angles": '["0 deg", "90 deg", "180 deg", "270 deg"]',
-        "stages.lsp.pin.friction": "0.01",
-        "stages.lsp.pin.diameter": "0.3 m",
-        "stages.lsp.sun_planet.friction": '{coefficient = 0.05, damping = "3 N*s/m"}',
-        "stages.lsp.ring.drag": "0.1 N*m*s/rad",
-        "stages.lsp.line_of_centres": "33.3 deg",
-    }
-    scene = load_scene("lsp", changes)
-    assert restore_scene(scene.model_dump_json()) == scene
-
-
-@pytest.mark.parametrize("text", ["", "{", "[]", "3", "null", "{}", '{"name": 1}', "[" * 100_000])
-def test_a_kept_scene_that_is_none_is_refused(text):
-    with pytest.raises(SceneError, match="kept scene: is not what ltcgear writes"):
-        restore_scene(text)
-
-
-def test_a_kept_scene_that_was_spoilt_is_refused():
-    text = load_scene("lsp").model_dump_json().replace('"planetary"', '"planetry"')
-    with pytest.raises(SceneError, match=r"stages\.lsp\.kind: 'planetry'"):
-        restore_scene(text)
-
-
-def test_a_scene_is_immutable():
-    scene = load_scene("lsp")
-    with pytest.raises(ValueError, match="frozen"):
-        scene.title = "other"
-
-
-def test_make_scene_leaves_its_argument_alone():
-    tree = raw("lsp")
-    make_scene(tree)
-    assert tree == raw("lsp")
-
-
-# --- defects: scene, what is changed, key and phrase of the message
 
 L = "stages.lsp."
 DEFECTS = {
@@ -568,7 +374,7 @@ def test_two_faults_of_one_table_are_both_told():
 
 @pytest.mark.parametrize("name", ["planetary", "pair", "source", "value"])
 def test_a_stage_may_have_any_free_name(name):
-    tree = raw("psh")
+    tree = raw_scene("psh")
     tree["stages"][name] = tree["stages"].pop("psh")
     tree["loads"]["input"]["member"], tree["loads"]["output"]["member"] = f"{name}.input", f"{name}.output"
     assert make_scene(tree).stages[name].kind == "pair"
@@ -616,25 +422,6 @@ def test_titles_of_any_script_are_lines():
         assert make_scene(edited("lsp", {"title": title})).title == title
 
 
-def test_wide_profile_shifts_are_solved():
-    changes = {"stages.psh.input.profile_shift": 1.9, "stages.psh.output.profile_shift": 1.9}
-    assert build_model(make_scene(edited("psh", changes))).values()
-
-
-@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
-def test_every_effect_takes_its_values(effect):
-    more = {"stages.lsp.sun_planet.friction.coefficient": "0.05", "stages.lsp.pin.friction_damping": "1 N*m*s/rad"}
-    for value in effect.values:
-        if list(contradictions(DEFAULTS | {effect.name: value})):
-            continue
-        scene = load_scene("lsp", more | {f"effects.{effect.name}": value})
-        assert scene.effects == DEFAULTS | {effect.name: value}
-        assert build_model(scene).effects[effect.name] == value
-
-
-# --- any other defect
-
-
 def places(node):
     """Yield container and key of everything in a raw scene."""
     for key, value in node.items() if isinstance(node, dict) else ():
@@ -652,7 +439,7 @@ SPOILS = [
 def test_a_scene_spoilt_at_random_is_refused_or_makes_a_model(seed):
     chance = random.Random(seed)
     for _ in range(10):
-        tree = raw(chance.choice(["rig-2mw", "lsp", "psh", "lin-parker-4"]))
+        tree = raw_scene(chance.choice(["rig-2mw", "lsp", "psh", "lin-parker-4"]))
         for _ in range(chance.choice([1, 1, 2])):
             where, key = chance.choice(list(places(tree)))
             if chance.random() < 0.2:
@@ -669,148 +456,3 @@ def test_a_scene_spoilt_at_random_is_refused_or_makes_a_model(seed):
             assert told.encode()
         else:
             assert all(math.isfinite(value) for value in build_model(scene).values().values())
-
-
-# --- files
-
-
-def refused(path, match, changes=None):
-    with pytest.raises(SceneError, match=match) as caught:
-        load_scene(path, changes)
-    assert str(path)[:40] in str(caught.value)
-    assert "\n  " in str(caught.value) or "\n" not in str(caught.value)
-    return str(caught.value)
-
-
-@pytest.fixture
-def write(tmp_path):
-    def writer(data):
-        path = tmp_path / "my gear.toml"
-        path.write_bytes(data if isinstance(data, bytes) else data.encode())
-        return path
-
-    return writer
-
-
-FILES = {
-    "empty": (b"", "title: is missing"),
-    "syntax": (b"title = \n", r"not valid TOML: Invalid value \(at line 1"),
-    "key twice": (b"a = 1\na = 2\n", "not valid TOML: Cannot overwrite a value"),
-    "unit without quotes": (b"module = 16 mm\n", r"not valid TOML: .*at line 1"),
-    "binary": (bytes(range(256)) * 8, "cannot be read as UTF-8 text"),
-    "UTF-16": ("title = 'x'".encode("utf-16"), "cannot be read as UTF-8 text"),
-    "Latin-1": ("title = 'Größe'".encode("latin-1"), "cannot be read as UTF-8 text"),
-    "zero bytes": (b"title\0= 'x'", "not valid TOML"),
-    "nested lists": (b"a = " + b"[" * 50_000, "line 1: nested too deeply"),
-    "nested tables": (b"a." * 3000 + b"b = 1", "nested too deeply"),
-    "huge integer": (b"a = " + b"9" * 6000, "line 1: a key or number has more than 200 characters"),
-    "huge file": (b"#" * (LARGEST_FILE + 1), "more than 1000000 bytes"),
-    "another program's file": (b"[package]\nname = 'x'\n", "package: unknown key"),
-}
-
-
-@pytest.mark.parametrize("kind", FILES)
-def test_a_file_that_is_no_scene_is_refused(kind, write):
-    data, reason = FILES[kind]
-    refused(write(data), reason)
-
-
-@pytest.mark.parametrize("change", [lambda b: b"\xef\xbb\xbf" + b, lambda b: b.replace(b"\n", b"\r\n")])
-def test_files_from_other_systems_are_read(write, change):
-    path = write(change((SHIPPED / "lsp.toml").read_bytes()))
-    scene = load_scene(path)
-    assert scene.name == "my gear"
-    assert scene.stages == load_scene("lsp").stages
-
-
-def test_a_folder_is_refused(tmp_path):
-    refused(tmp_path, "is a folder")
-
-
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may read everything")
-def test_an_unreadable_file_is_refused(write):
-    path = write("title = 'x'")
-    path.chmod(0)
-    refused(path, "Permission denied")
-
-
-def test_a_file_that_cannot_be_opened_is_refused(write, monkeypatch):
-    path = write("title = 'x'")
-
-    def forbidden(self, *args, **kwargs):
-        raise PermissionError(13, "Permission denied", str(self))
-
-    monkeypatch.setattr(type(path), "open", forbidden)
-    refused(path, "cannot be read: Permission denied")
-
-
-@pytest.mark.parametrize("name", ["nosuch", "no/such/file.toml", "", "a" * 5000, "a\0b", "lsp.toml/x"])
-def test_a_scene_that_is_not_there_is_refused(name):
-    with pytest.raises(SceneError) as caught:
-        load_scene(name)
-    assert len(str(caught.value)) < 1000
-    assert "\0" not in str(caught.value)
-
-
-@pytest.mark.parametrize(("name", "near"), [("rig2mw", "rig-2mw"), ("lsp.toml", "lsp"), ("lin-parker", "lin-parker-")])
-def test_the_nearest_shipped_scene_is_named(name, near):
-    assert f'did you mean "{near}' in refused(name, "no such file and no shipped scene; did you mean")
-    assert "; shipped scenes: floating-off, " in refused("zzzzz", "no such file")
-
-
-# --- changes, as --set gives them
-
-
-def test_changes_replace_values_and_their_labels():
-    scene = load_scene(
-        "lsp", {"stages.lsp.module": "15 mm", "loads.ring.speed": "'10 rpm'", "stages.lsp.sun.teeth": "22"}
-    )
-    assert scene.stages["lsp"].module == 0.015
-    assert scene.stages["lsp"].sun.teeth == 22
-    assert "stages.lsp.module" not in scene.sources
-
-
-def test_a_changed_value_does_not_keep_a_printed_label():
-    scene = load_scene("lsp", {"stages.lsp.module.value": "15 mm"})
-    assert scene.sources["stages.lsp.module"].startswith("assumed: ")
-
-
-def test_a_whole_number_is_a_place_in_a_list():
-    errors = "stages.lsp.position_errors"
-    changes = {errors: "[{ planet = 1 }, { planet = 3 }]", f"{errors}.1.tangential": "20 um", "title": "two pins"}
-    found = load_scene("lsp", changes).stages["lsp"].position_errors
-    assert [(one.planet, pytest.approx(one.tangential)) for one in found] == [(1, 0.0), (3, 20e-6)]
-    with pytest.raises(
-        SceneError, match=r"the list stages.lsp.position_errors has the places 0 to 1, not '2'; set the"
-    ):
-        load_scene("lsp", {**changes, f"{errors}.2.planet": "4"})
-    with pytest.raises(SceneError, match="has the places 0 to 1, not 'first'"):
-        load_scene("lsp", {**changes, f"{errors}.first.planet": "4"})
-    with pytest.raises(SceneError, match="has no places, not '0'"):
-        load_scene("lsp", {errors: "[]", f"{errors}.0.planet": "4"})
-
-
-CHANGES = {
-    "stages.lsp.module": ("16", "stages.lsp.module: 16 has no unit"),
-    "stages.lsp.modul": ("16 mm", 'stages.lsp.modul: unknown key; did you mean "module"?'),
-    "stages.lps.sun.teeth": ("22", "stages.lps.kind: is missing"),
-    "title.x": ("1", "title.x: 'title' is a value, not a table"),
-    "": ("1", "unknown key"),
-    "..": ("1", "unknown key"),
-    "gravity.0": ("'1 m/s^2'", "gravity.0: gravity is no list yet, so it has no place 0; set the whole list first"),
-    "title": ("", "title: must not be empty"),
-    "effects.gravity": ("true", "effects.gravity: True is not a value of it"),
-    "x": ("[" * 50_000, "x: unknown key"),
-    "y": ("9" * 6000, "y: unknown key"),
-    "a" + ".a" * 3000: ("1", "nested too deeply"),
-    "stages.lsp.pin.stiffness": ("'1 N/m'\n[effects]\ngravity='on'", "stages.lsp.pin.stiffness:"),
-}
-
-
-@pytest.mark.parametrize("key", CHANGES, ids=lambda key: key[:30] or "empty")
-def test_a_bad_change_is_refused(key):
-    value, reason = CHANGES[key]
-    with pytest.raises(SceneError) as caught:
-        load_scene("lsp", {key: value})
-    assert reason in str(caught.value)
-    assert len(str(caught.value)) < 1500
