@@ -173,11 +173,6 @@ def test_friction_takes_energy_and_the_printed_viscous_law_gives_it_when_centres
         assert np.all(power < 0 if way == 1 else power > 0)
 
 
-def test_printed_text_shows_what_was_printed() -> None:
-    assert BY_KEY[38, "y_C"].printed == ("M_C*y_C'' - k_CPB*(y_P - y_C - R_P*sin(theta_C + gamma_CP0)) = F_Cy + G_P")
-    assert BY_KEY[32, "x_S"].printed.endswith("*cos(gamma_SP - alpha_SP)/d_PS = F_Sx")
-
-
 def test_no_verdict_hangs_on_a_dot_or_a_square_lost_in_reading_the_page() -> None:
     p = paper
     kind = {"x": {p.low_PS: p.low_PS**2, p.low_PR: p.low_PR**2, p.d_PS: p.d_PS0, p.d_PR: p.d_PR0}}
