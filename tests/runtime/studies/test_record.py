@@ -64,7 +64,8 @@ def test_a_record_comes_back_as_it_was(tmp_path):
     assert rows[1]["load_share"] == rows[-1]["seconds"] == ""
 
 
-def test_the_store_keeps_a_record_by_model_and_numbers():
+def test_the_store_keeps_a_record_by_model_and_numbers(tmp_path, monkeypatch):
+    monkeypatch.setenv("LTCGEAR_CACHE", str(tmp_path))
     record = make_record(model="model of this test")
     path = kept_path(record["model"], record["numbers"])
     assert not path.exists()
