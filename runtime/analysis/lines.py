@@ -133,7 +133,7 @@ def find_clues(dataset: xr.Dataset, modes: Sequence[Mode] = ()) -> Clues:
 def _against_carriers(turning: Mapping[str, float], train: Train) -> Iterator[tuple[str, str, float]]:
     """Yield how often gears turn against the carrier of their stage [Hz], with the stage.
 
-    Of equal planets the first stands for all.
+    Of equal planets the first represents all.
     """
     for name, value in turning.items():
         stage, part = train.members[name].stage, train.members[name].part

@@ -90,7 +90,7 @@ def find_leads(dataset: xr.Dataset) -> list[str]:
 
 
 def mean_shares(means: FloatArray, largest: float) -> FloatArray | None:
-    """Return each mesh's mean force over the mean of all [1]; None where they carry nothing beside their largest."""
+    """Return each mesh's mean force over the mean of all [1]; None if the mean is negligible against their largest."""
     middle = float(means.mean())
     return means / middle if abs(middle) > UNLOADED * largest else None
 

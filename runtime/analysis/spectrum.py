@@ -35,7 +35,7 @@ class Spectrum:
     axis_unit
         ``Hz``, or ``1`` where ``axis`` counts cycles in a turn of ``shaft``.
     axis, value
-        Bins and what stands at them, shape (m,) each. Bin 0 of amplitudes is the magnitude of the mean.
+        Bins and their values, shape (m,) each. Bin 0 of amplitudes is the magnitude of the mean.
     window
         One of ``spectra.WINDOWS``.
     resolution

@@ -1,4 +1,4 @@
-"""Survey of a result: all that ``ltcgear analyse`` tells about a span."""
+"""Survey of a result: all that ``ltcgear analyse`` reports on a span."""
 
 from __future__ import annotations
 
@@ -224,7 +224,7 @@ def _share(part: xr.Dataset, group: str, notes: list[str]) -> LoadShare | None:
 
 
 def _errors(part: xr.Dataset, leads: Sequence[str]) -> list[TransmissionError]:
-    """Return the transmission errors of some meshes, by angles too where the result tells the gears."""
+    """Return the transmission errors of some meshes, by angles too if the result has the gears."""
     known = [mesh for mesh in leads if mesh in list_items(part, "mesh_deflection")]
     found = [find_transmission_error(part, mesh) for mesh in known]
     fronts = [read_train(part).front(mesh) for mesh in known]

@@ -98,9 +98,9 @@ def select_output(dataset: xr.Dataset, wanted: str, option: str = "--output ") -
     dataset
         Simulation result.
     wanted
-        Such as ``mesh_force:psh.mesh``; ``acceleration:lsp.sun`` stands for both axes.
+        Such as ``mesh_force:psh.mesh``; ``acceleration:lsp.sun`` means both axes.
     option
-        What stands before an output that is refused, as the user gave it.
+        Prefix of a refused output, as the user gave it.
 
     Returns
     -------

@@ -148,13 +148,13 @@ def sweep_load(
 
 
 def _torque_places(library: Library) -> list[int]:
-    """Return where constant torques of loads stand among the parameters."""
+    """Return the indices of constant load torques among the parameters."""
     names = [name for name, _ in library.manifest.parameters]
     return [names.index(name) for name in given_torques(library.manifest).values() if name in names]
 
 
 def _speed_place(library: Library) -> int:
-    """Return where the reference's speed stands among the parameters."""
+    """Return the index of the reference's speed among the parameters."""
     names = [name for name, _ in library.manifest.parameters]
     if library.manifest.reference == "rest":
         torques = given_torques(library.manifest)

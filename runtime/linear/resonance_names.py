@@ -101,7 +101,7 @@ def combine(one: Oscillation, two: Oscillation, base: float) -> Resonance | None
 def list_oscillations(periodic: Periodic) -> list[Oscillation]:
     """Return the eigenvalues of the mean system that oscillate, states in sizes of their vibration.
 
-    Conjugates stand side by side, the one that turns forwards first.
+    Conjugates are adjacent, the one that turns forwards first.
     """
     size = periodic.linear.scale[periodic.linear.kept]
     found = []

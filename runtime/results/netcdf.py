@@ -27,7 +27,7 @@ OVERHEAD, EACH = 1.05, 8_192
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a NetCDF4 file."""
 MARK, DIGITS = b"\nltcgear crc32 ", 8
-"""What stands after a file's own end, and the digits of the check sum behind it."""
+"""Marker after a file's own end, and the digits of the checksum behind it."""
 READ_ALL = """
 import sys, netCDF4
 with netCDF4.Dataset(sys.argv[1]) as file:
@@ -38,7 +38,7 @@ with netCDF4.Dataset(sys.argv[1]) as file:
         data[...]
 """
 PATIENCE, SPEED = 20.0, 20e6
-"""How long a file may take to be read [s], and beside that its size over a speed [bytes/s]."""
+"""Time limit for reading a file [s], to which its size over a speed [bytes/s] is added."""
 
 
 def save(dataset: "xr.Dataset", path: Path, retry: str = "run the same command again") -> None:
@@ -51,7 +51,7 @@ def save(dataset: "xr.Dataset", path: Path, retry: str = "run the same command a
     path
         The file.
     retry
-        What goes on after room was made on a full disk.
+        What continues once a full disk has room.
 
     Raises
     ------

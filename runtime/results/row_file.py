@@ -1,9 +1,9 @@
 """Row file of a run under way: its samples on disk, readable at every moment; sealed, they are the result.
 
-While a run goes on its rows are appended to ``NAME.part.nc``, classic NetCDF (see ``classic_netcdf``): a
+During a run its rows are appended to ``NAME.part.nc``, classic NetCDF (see ``classic_netcdf``): a
 heading that is written once, then one record a row. How many records there are is written after them, so that a killed
 run leaves a whole file; HDF5 would be broken where it is killed while it writes. The heading bears an identity that no
-other part has and its check sum; a running check sum over the rows tells whether they are those that were written. At
+other part has and its check sum; a running checksum over the rows shows whether they are as written. At
 the end rows are copied to NetCDF4, not compressed: the last digits of an integration are noise, so a fifth of the room
 is all that packing would save, for more time than the run itself takes.
 """
@@ -69,7 +69,7 @@ class Part:
     """
 
     goes_on = "--resume goes on"
-    """How one goes on where room was made."""
+    """Advice on how to resume once there is room."""
 
     def __init__(self, target: Path, heading: FileContent, kept: int | None = None, along: str = "time") -> None:
         self.target, self.path, self.along = target, part_of(target), along
@@ -129,7 +129,7 @@ class Part:
         self._count(self.rows)
 
     def _sign(self, records: NDArray[np.void]) -> None:
-        """Put into rows what they tell of themselves."""
+        """Set the attributes of the rows."""
 
     def sync(self) -> None:
         """Wait until all rows are on the disk, where a power cut leaves them."""

@@ -25,7 +25,7 @@ def find_columns(dataset: "xr.Dataset", wanted: list[str], option: str = "--outp
     wanted
         QUANTITY or QUANTITY:ITEM each.
     option
-        What stands before an output that is refused, as the user gave it.
+        Prefix of a refused output, as the user gave it.
 
     Raises
     ------

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 Signal = NDArray[np.float64] | NDArray[np.complex128]
 STILL = 1e-6
-"""Vibration over the mean below which a force stands still."""
+"""Vibration over the mean below which a force counts as constant."""
 
 
 def compare_signals(coarse: Signal, fine: Signal) -> dict[str, float | None]:

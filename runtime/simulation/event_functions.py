@@ -11,18 +11,18 @@ Vector = NDArray[np.float64]
 
 
 class Watch:
-    """The borders of the cells and regimes that a motion is in.
+    """Event functions of the mesh phases and contacts in their present state.
 
     Parameters
     ----------
     regimes
-        The sides that hold.
+        The states of the contacts.
     phases
         The function of the mesh phases.
     p
-        Parameters; the march changes them in place.
+        Parameters; the C changes them in place.
     cells
-        The cells of the mesh phases, kept by the march from now on.
+        The cells of the mesh phases, updated by the C from now on.
     """
 
     def __init__(self, regimes: Regimes, phases: Kernel, p: Vector, cells: Cells) -> None:
@@ -30,6 +30,6 @@ class Watch:
         self.count = 2 * len(cells) + len(regimes.index)
 
     def distances(self, x: Vector, s: Vector) -> Vector:
-        """Return how far a state is from the borders, positive inside and zero at a border, shape (count,)."""
+        """Return the event functions at a state, positive before an event and zero at it, shape (count,)."""
         tau, _, share = self.phases(x, s, self.p)
         return np.concatenate([upper(self.cells, share) - tau, tau - lower(self.cells, share), self.regimes.seen(x, s)])

@@ -148,7 +148,7 @@ class Reader:
         return kept if self.raw else kept | {f"filter.{name}": value for name, value in self.filter.snapshot().items()}
 
     def restore(self, kept: Snapshot) -> None:
-        """Go on from a snapshot."""
+        """Resume from a snapshot."""
         if "reader.start" not in kept:
             return
         known: Any = kept

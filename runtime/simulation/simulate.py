@@ -71,7 +71,7 @@ def simulate(
         Keep outputs of the instant, in which what lies above half the rate shows as false lines below it. Else all are
         band-limited: filtered before they are sampled (``band``).
     attributes
-        What the result file shall also tell, such as the scene.
+        Further attributes of the result file, such as the scene.
     told
         Called with the simulated time now and then.
     tables
@@ -144,7 +144,7 @@ class Run:
 
 
 def resolve(point: OperatingPoint, settings: RunSettings) -> tuple[RunSettings, dict[str, Any]]:
-    """Choose method and sampling rate where they are open; return the settings and what a summary tells of them.
+    """Choose method and sampling rate where left open; return the settings and their entries of the summary.
 
     Raises
     ------

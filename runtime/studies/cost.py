@@ -111,7 +111,7 @@ def measure_costs(
 
 
 def _later(told: Callable[[float], None], before: float, now: float) -> None:
-    """Tell the time simulated in this run on top of what went before."""
+    """Report the simulated time of this run plus that of earlier ones."""
     told(before + now)
 
 

@@ -99,7 +99,7 @@ def _ratio(change: float, reference: float) -> float | None:
 
 
 def _vibrates(force: Vector) -> bool:
-    """Tell whether a force does more than stand still: below `STILL` of the mean is rounding."""
+    """Return whether a force varies: variation below `STILL` of the mean is rounding."""
     return float(force.std()) > STILL * abs(float(force.mean()))
 
 
@@ -146,7 +146,7 @@ def _spectrum_change(one: Vector, two: Vector, phase: Vector) -> float | None:
 
 
 def pair_orders(one: Vector, two: Vector, phase: Vector) -> tuple[Vector, Vector]:
-    """Return the amplitudes of two forces at the orders of their mesh; none where the first stands still."""
+    """Return the amplitudes of two forces at the orders of their mesh; none if the first is constant."""
     if not _vibrates(one):
         return np.zeros(0), np.zeros(0)
     return mesh_orders(one, phase), mesh_orders(two, phase)

@@ -136,7 +136,7 @@ def _check_effort(library: Library, interface: Interface, t_end: float) -> None:
 
 
 def check_kind(kind: str) -> bool:
-    """Tell whether a kind is model exchange; LtcgearError if there is no such kind."""
+    """Return whether a kind is model exchange; LtcgearError if there is no such kind."""
     if kind not in VERSIONS:
         raise LtcgearError(f"--kind {kind}: must be one of {', '.join(VERSIONS)}")
     return kind == MODEL_EXCHANGE

@@ -84,7 +84,7 @@ def find_errors(reference: ComparedSamples, run: ComparedSamples) -> Errors:
     -------
     dict
         By kind (see ``KINDS``) a dict of its ``value``, the worst element ``item`` and more of it, None where the
-        scene has nothing of the kind or it stands still; ``apart``, the share of samples left out.
+        scene has nothing of the kind or it is constant; ``apart``, the share of samples left out.
     """
     together = (reference.levels == run.levels).all(axis=1)
     found: Errors = dict.fromkeys(KINDS) | {"apart": float(1 - together.mean())}
@@ -108,7 +108,7 @@ def value_of(errors: Errors, kind: str) -> float | None:
 
 
 def _floors(reference: ComparedSamples) -> dict[str, float]:
-    """Return by kind the vibration below which a signal stands still: forces that cancel leave rounding only."""
+    """Return by kind the vibration below which a signal is constant: forces that cancel leave rounding only."""
     sizes = {
         kind: max((float(np.abs(signal).max()) for signal in signals.values()), default=0.0)
         for kind, signals in reference.signals.items()

@@ -23,7 +23,7 @@ GAP = "0.1 mm"
 def allowed(method: str, limit: float) -> float:
     """Return the limit of a one-step method, or that of a multistep one at the same tolerance.
 
-    These keep the error of a step below their tolerance, not that of a swing, and begin anew with small steps of low
+    These control the error of a step, not of an oscillation, and restart with small steps of low
     order after every parting. On a swing without any, BDF at 1e-9 loses 1e-7 of the energy, ``erk`` 1e-9.
     """
     return 20 * limit if METHODS[method].multistep else limit

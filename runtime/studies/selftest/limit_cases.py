@@ -1,4 +1,4 @@
-"""Hard cases at the limits: stiff beside soft, light beside heavy, members that nothing holds, gears that collide."""
+"""Hard cases at the limits: stiff and soft, light and heavy parts, unsupported members, colliding gears."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace

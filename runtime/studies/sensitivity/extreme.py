@@ -131,7 +131,7 @@ def _points(first: float) -> Vector:
 
 
 def _side(course: Course, piece: int, part: float, first: float) -> str:
-    """Tell whether a place is an end of its piece that is no end of the window."""
+    """Return whether an instant is an end of its piece but not of the window."""
     if part == 0.0 and first == 0.0 and piece > 0:
         return "start"
     return "end" if part == 1.0 and piece < len(course.pieces) - 1 else "inside"

@@ -108,7 +108,7 @@ def _values(course: Course, batch: Batch, piece: Piece, output: int, start: floa
     """Return an output at points of a piece, or of what lies of it in the window, and quadrature weights [s].
 
     An output may vary faster than the motion, as stiffness and errors over the mesh phase do: points are added until
-    the mean square stands still.
+    the mean square is constant.
     """
     first = min(max((start - piece.start) / piece.duration, 0.0), 1.0)
     if first >= 1.0:

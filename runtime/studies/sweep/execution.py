@@ -18,7 +18,7 @@ DIED = "the process died that computed this point, twice; {}"
 KILLED = "killed"
 """Status of a point whose process was killed from outside, twice."""
 SIGNAL = re.compile(r"([A-Z]+)\(-?\d+\)")
-"""How joblib tells by what a process ended."""
+"""How joblib reports what ended a process."""
 
 
 class Pool(Protocol):

@@ -76,7 +76,7 @@ def check_points(maker: Maker, design: Design) -> Keys:
 
 
 def _list_checked(design: Design) -> list[dict[str, str]]:
-    """Return the changes of points that stand for all: the axes' ends, or, where draws have no ends, the middle."""
+    """Return the changes of representative points: the ends of axes, or the mean of draws without ends."""
     if design.sample != "normal":
         return design.ends()
     spread = np.array([0.0 if axis.crossed else 1 / (axis.high or 1.0) for axis in design.axes])

@@ -166,7 +166,7 @@ def _write_axis(axis: Mapping[str, Any]) -> str:
 
 
 def _attributes(plan: Plan) -> dict[str, Any]:
-    """Return what the file tells of scene and settings."""
+    """Return the file's attributes on scene and settings."""
     told = {name: value for name, value in plan.settings.identity().items() if name != "raw"}
     band = {} if plan.settings.raw else {"band_hz": BAND * plan.settings.sampling_rate}
     return to_attributes(plan.maker.about(), {**told, **band, "metrics": list(plan.metrics)})

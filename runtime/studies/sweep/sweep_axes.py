@@ -70,7 +70,7 @@ class SweepAxis:
         return f"{number} {self.unit}".rstrip()
 
     def coordinate(self, values: Vector) -> tuple[NDArray[Any], dict[str, str]]:
-        """Return what a data set tells of some values: numbers, or words where the list has no numbers; attributes."""
+        """Return values as a data set holds them: numbers, or words where the list has no numbers; attributes."""
         if not self.items:
             return values, {"units": self.unit or "1", "key": self.key}
         read = [_split(item) for item in self.items]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 FORMAT = 2
-"""Form of the files; it is counted up when older ones can no longer be gone on with."""
+"""Version of the file format; it increases when older files can no longer be resumed."""
 READ = (1, FORMAT)
 """Forms that are read; the first kept no warnings."""
 LONGEST = 400
@@ -41,7 +41,7 @@ TEXTS = {"status": LONGEST, WARNINGS: 1000}
 """Columns of text, and how many bytes of each are kept."""
 LEFT_OUT = "and {} more warnings, for which the row has no room"
 KIND, ABOUT = "sweep_format", "sweep"
-"""Attributes that tell the form of a sweep's file, and of which sweep it is."""
+"""Attributes with the format version of a sweep's file and the identity of the sweep."""
 GO_ON = "run the same command again to go on"
 CURE = "give another -o, or delete it"
 CHECK = "check"
@@ -84,7 +84,7 @@ class Store:
     about
         All that makes the sweep what it is, by name.
     attributes
-        What the file shall also tell.
+        Further attributes of the file.
     retry
         Whether points that failed are missing, to be computed again.
 

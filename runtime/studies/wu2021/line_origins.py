@@ -118,7 +118,7 @@ def _explain(
 
 
 def _frequency(name: str, sources: Sources) -> float:
-    """Return the frequency that a name of ``name_line`` stands for [Hz]."""
+    """Return the frequency of a name given by ``name_line`` [Hz]."""
     known, total, sign = {**sources.carriers, **sources.meshes}, 0.0, 1.0
     order = 1.0
     for word in name.split():
@@ -159,7 +159,7 @@ def own_peak(
     dataset
         Result with accelerations.
     members
-        Members that stand for the position.
+        Members at the position.
     frequency_hz, start_s
         The line [Hz], and the first instant used [s].
 

@@ -45,7 +45,7 @@ ROOM, NEEDING = "ltcgear.runtime.view.report", "ltcgear report"
 
 @dataclass(frozen=True)
 class Background:
-    """What a report tells beside the result: the sources of numbers, and the modes of the linearised model.
+    """Additional content of a report: the sources of numbers, and the modes of the linearised model.
 
     ``why_no_modes`` says why there are none.
     """
@@ -204,10 +204,10 @@ def _leader(track: Track) -> str | None:
 
 
 def _only(keys: tuple[str, ...], table: dict[str, Any]) -> dict[str, Any]:
-    """Return what stands under some keys."""
+    """Return the values of some keys."""
     return {key: table[key] for key in keys}
 
 
 def _script_json(data: dict[str, Any]) -> str:
-    """Write JSON that may stand in a script element."""
+    """Write JSON that is safe in a script element."""
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK, SOFT, LINE = "#1b2a41", "#5d6b7e", "#cfd6df"
-"""What stands in a figure for the page's ink, its softer ink, and thin lines."""
+"""Colours of a figure that stand for the page's text, its lighter text, and thin lines."""
 COLOURS = {
     INK: "ink", SOFT: "soft", LINE: "line",
     "#0072b2": "blue", "#d55e00": "vermillion", "#009e73": "green", "#cc79a7": "purple",
@@ -50,7 +50,7 @@ def themed() -> Iterator[None]:
 
 
 def write_svg(figure: Figure, name: str, label: str) -> str:
-    """Return a figure as SVG to stand in a page.
+    """Return a figure as SVG for a page.
 
     Parameters
     ----------

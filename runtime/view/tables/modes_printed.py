@@ -11,7 +11,7 @@ MOST = 2
 
 
 def modes(data: Data, labels: Mapping[str, str]) -> None:
-    """Print eigenfrequencies and what moves, by label. JSON and CSV tell the shares of all members."""
+    """Print eigenfrequencies and what moves, by label. JSON and CSV have the shares of all members."""
     title = f"Eigenfrequencies at the loaded equilibrium, meshes {data['meshes']}"
     table = new_table(title, ">", ">Hz", ">damping", "class", "what it is", "kinetic energy")
     for column in table.columns[:3]:

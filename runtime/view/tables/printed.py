@@ -118,7 +118,7 @@ def _number(value: float | None, form: str) -> str:
 
 
 def _stages(data: Data) -> Table:
-    """List geometry and mesh frequency of the stages; planets whose tips overlap stand out."""
+    """List geometry and mesh frequency of the stages; overlapping planet tips are marked."""
     table = new_table("Stages", "stage", "", "")
     for name, stage in data["stages"].items():
         radii = ", ".join(f"{part} {radius:.3f}" for part, radius in stage["base_radii_mm"].items())
@@ -343,7 +343,7 @@ def listed(tables: "list[ResultTable]", files: "list[Path]") -> None:
 
 
 def paper_run(data: Data, tables: dict[str, "ResultTable"]) -> None:
-    """Print the paper's tables beside the simulated ones, and where the figures are."""
+    """Print the paper's tables with the simulated values, and the place of the figures."""
     console = Terminal()
     for table in tables.values():
         table.print(console)

@@ -38,7 +38,7 @@ def campbell(data: Data) -> None:
 
 
 def _number(value: float | None, otherwise: str) -> str:
-    """Write a number, or what stands for none."""
+    """Write a number, or the mark for none."""
     return otherwise if value is None else f"{value:.0f}" if value >= 100 or value == 0 else f"{value:.3g}"
 
 

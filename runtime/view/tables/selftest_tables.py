@@ -41,7 +41,7 @@ def _part(finding: Data) -> float:
 
 
 def cell(result: Data) -> str:
-    """Return what stands in a cell: the verdict, and the worst value over its limit."""
+    """Return the text of a cell: the verdict, and the worst value over its limit."""
     finding = worst(result)
     if finding is None or result["verdict"] == REFUSED:
         return str(result["verdict"])
