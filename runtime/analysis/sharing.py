@@ -74,7 +74,7 @@ def group_meshes(meshes: Iterable[str], train: Train) -> dict[str, list[str]]:
 
 
 def find_leads(dataset: xr.Dataset) -> list[str]:
-    """Return of each group of meshes the one that is looked at: the first of those that carry most.
+    """Return the mesh of each group that is analysed: the first of those that carry most.
 
     The two flanks of a mesh with backlash are one group here, so that it is not the idle one.
     """

@@ -147,7 +147,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
 
 
 def _default_outputs(part: xr.Dataset) -> list[str]:
-    """Return what is looked at when nobody says: the first mesh of each group, else the rotors' speeds."""
+    """Return the outputs analysed by default: the first mesh of each group, else the rotors' speeds."""
     leads = [f"mesh_force:{mesh}" for mesh in find_leads(part)]
     return leads or [f"speed:{rotor}" for rotor in list_items(part, "speed")[:4]]
 
@@ -155,7 +155,7 @@ def _default_outputs(part: xr.Dataset) -> list[str]:
 def _see(
     part: xr.Dataset, wide: xr.Dataset, output: str, clues: Clues, asked: Options, notes: list[str]
 ) -> Seen:  # fmt: skip
-    """Look at one output; of two axes density, waterfall and envelope are those of x."""
+    """Analyse one output; with two axes density, waterfall and envelope are those of x."""
     signals = select_output(part, output)
     spectrum = find_spectrum(*signals, window=asked.window)
     lines = name_lines(spectrum, clues, asked.lines, signals=signals)

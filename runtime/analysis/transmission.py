@@ -123,7 +123,7 @@ def _twist(dataset: xr.Dataset, member: str) -> FloatArray:
 
 
 def parameter(dataset: xr.Dataset, name: str) -> float | None:
-    """Return a parameter of the model, None where the result does not hold it."""
+    """Return a parameter of the model, None if the result does not hold it."""
     if "parameter_value" not in dataset or name not in dataset["parameter"].values:
         return None
     return float(dataset["parameter_value"].sel(parameter=name))

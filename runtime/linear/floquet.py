@@ -49,7 +49,7 @@ class Multiplier:
         Number of the mode it is most like, counted from 1 as ``ltcgear modes`` lists them; None for a motion that
         does not oscillate.
     resonance
-        What makes it grow, None where it does not.
+        What makes it grow, None if it does not.
     """
 
     value: complex

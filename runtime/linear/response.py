@@ -33,7 +33,7 @@ PROMINENT = 0.1
 """Least prominence of a peak, over its height."""
 
 UNDAMPED = 1e-5
-"""Damping ratio below which a resonance is kept off by so much: without damping it has no end."""
+"""Damping ratio assumed at least for the grid around a resonance, which is unbounded without damping."""
 
 
 @dataclass(frozen=True)

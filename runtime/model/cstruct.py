@@ -67,7 +67,7 @@ SHARED = (
     ("passing", "wholes", "changed arc_cells"),
     ("passing", "bytes", "new_sides arc_sides"),
 )
-"""Role, kind and names of all that C and Python share, in the order of both structures."""
+"""Role, kind and names of the shared fields, in the order of both structures."""
 FIELDS = tuple((name, kind, role) for role, kind, names in SHARED for name in names.split())
 NAMES = {role: tuple(name for name, _, of in FIELDS if of == role) for role in ("fixed", "leg", "kept", "passing")}
 """Role of fields -> their names."""

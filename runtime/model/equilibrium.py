@@ -108,7 +108,7 @@ def _seek(library: Library, p: Vector, levels: Vector | None, tables: Mapping[st
 
 
 def _relaxed(library: Library, p: Vector, levels: Vector, signals: Vector) -> Vector | None:
-    """Let members fall through their gaps until teeth hold them; None where nothing stops them."""
+    """Move members through their clearances until teeth hold them; None if nothing does."""
     position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
     rhs, jacobian = Kernel(library.functions["rhs"]), Kernel(library.functions["jac_rhs"])
     s, start, loaded = np.concatenate([levels, signals]), start_state(library, p), settled(library, p)

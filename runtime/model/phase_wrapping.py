@@ -83,7 +83,7 @@ class Clocks:
         x, s
             States, levels and signals, shapes (m, n) and (m, n_s).
         phi, turns
-            Reference angles [rad] less whole turns, None where those of the states lack them, and these, shapes (m,).
+            Reference angles [rad] less whole turns, None if those of the states lack them, and these, shapes (m,).
 
         Returns
         -------

@@ -16,7 +16,7 @@ def split_output(output: str) -> tuple[str, str]:
 
 
 def find_columns(dataset: "xr.Dataset", wanted: list[str], option: str = "--output ") -> dict[str, list[str] | None]:
-    """Return quantity -> items that are wanted of it; None where it is wanted as a whole, or has no items.
+    """Return quantity -> items that are wanted of it; None if it is wanted as a whole, or has no items.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ def compare_signals(coarse: Signal, fine: Signal) -> dict[str, float | None]:
     -------
     dict
         Root mean square and peak of the difference over the finer signal's vibration (its standard deviation) and over
-        its mean's magnitude; None where there is nothing to refer to.
+        its mean's magnitude; None if there is nothing to refer to.
     """
     difference = np.abs(coarse - fine)
     mean, vibration = float(np.abs(fine.mean())), float(fine.std())

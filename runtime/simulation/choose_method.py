@@ -56,7 +56,7 @@ TIMES = np.linspace(0.0, 1.0, 65) ** 4
 
 @dataclass(frozen=True)
 class Choice:
-    """A method and why it is taken; None where the user chose."""
+    """A method and why it is taken; None if the user chose."""
 
     method: str
     why: str | None
@@ -186,7 +186,7 @@ def excited_modes(point: OperatingPoint, changes: Changes = UNCHANGED) -> tuple[
 
 
 def _decay(point: OperatingPoint, values: Complex) -> Vector:
-    """Return the exponent by which each mode dies away between two switchings [1]."""
+    """Return the exponent by which each mode decays between two switchings [1]."""
     return np.asarray(np.maximum(-values.real, 0.0) * (_between(point) if len(point.at.levels) else 0.0))
 
 

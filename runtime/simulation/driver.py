@@ -43,7 +43,7 @@ FINEST = 1e-9
 SHORTEST = 1 / 64
 """Factor by which a segment may be shorter, where stiffness or loads vary faster than any mode."""
 LONGEST = 4096
-"""Factor by which a segment may be longer than one that resolves the fastest mode: 12 halvings lead back."""
+"""Factor by which a segment may be longer than one that resolves the fastest mode: 12 halvings undo it."""
 BLOCK = 256
 """Samples in a block without switchings or contact events."""
 APART, MOST_FINER = 1.2, 64
@@ -126,7 +126,7 @@ class March:
         return replace(point, p=self.clocks.parameters(self.turns), at=replace(point.at, x=x))
 
     def _lay_out(self, method: Method, samples: int, rate: float, dense: bool, passing: float | None) -> None:
-        """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
+        """Choose nodes and longest segment [s]: blocks of samples without switchings or contact events, else Chebyshev.
 
         17 nodes over 8 rad of the fastest mode, or 25 over 16 rad, resolve any mode to 1e-9. Segments start with that
         length, grow where the fastest modes are at rest, and shrink where stiffness or loads vary faster. Blocks have
@@ -192,7 +192,7 @@ class March:
         self.state.held_value = HELD
 
     def _set_room(self, samples: int, rate: float) -> None:
-        """Give the C its sizes and room to work in."""
+        """Set the C's sizes and work arrays."""
         state, share, manifest = self.state, self.native.share, self.library.manifest
         n, meshes, holds, nodes = len(self.z), len(manifest.levels), len(manifest.holds), len(self.nodes.points)
         forces = [i for i, report in enumerate(manifest.reports) if report.quantity == "mesh_force"]
@@ -276,7 +276,7 @@ class March:
         return float(balance[0] + balance[1] + balance[2])
 
     def proceed(self, seconds: float = np.inf, segments: int = 1 << 40) -> None:
-        """Integrate until the samples are complete or fill their buffer, the leg ends, or so much is done.
+        """Integrate until the samples are complete or fill their buffer, the leg ends, or the time slice is used up.
 
         Raises
         ------
@@ -316,7 +316,7 @@ class March:
             self.broken = error
 
     def _rebase(self) -> None:
-        """Take whole turns off the reference angle, and whole periods off all that follows it."""
+        """Subtract whole turns from the reference angle, and whole periods from the phases that follow it."""
         angle, scale = self.angle, self.frame.scale
         more = 0 if angle < 0 else self.clocks.turns_in(float(self.frame.origin[angle] + scale[angle] * self.z[angle]))
         if not more:

@@ -70,7 +70,7 @@ def list_duty(point: OperatingPoint, settings: RunSettings) -> list[DutyPart]:
 
 
 def _instants(signals: Signals, t_end: float) -> tuple[Vector, Vector]:
-    """Return instants of a run [s], dense where a table bends or passes through zero, and their shares of its time."""
+    """Return instants of a run [s], dense at knots and zeros of tables, and their shares of its time."""
     near = t_end * 0.5 ** np.arange(1, HALVINGS + 1)
     inner = [0.0, *(knot for knot in signals.knots[:INSTANTS] if 0 < knot < t_end)]
     beside = np.concatenate([np.add.outer(inner, near).ravel(), np.subtract.outer(inner, near).ravel()])

@@ -1,4 +1,4 @@
-"""Event functions for integrators with root finding of their own."""
+"""Event functions for integrators with their own root finding."""
 
 import numpy as np
 from numpy.typing import NDArray

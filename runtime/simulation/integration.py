@@ -88,7 +88,7 @@ class Integration:
         self._tick("integrate")
 
     def conclude(self) -> Outcome:
-        """Return how it went; switchings that kinematics does not call for are a failure."""
+        """Return the status; a number of switchings other than by kinematics is a failure."""
         march, events, status = self.march, self.march.counts.events, self.status
         if self.cause:
             status += f": {explain(march) or f'{self.cause}; {CURE}'}"

@@ -121,7 +121,7 @@ class BandFilter:
         return rows
 
     def snapshot(self) -> dict[str, NDArray[np.generic]]:
-        """Return all that the filter remembers."""
+        """Return the state of the filter."""
         return {name: np.array(getattr(self, name)) for name in KEPT}
 
     def restore(self, kept: dict[str, Any]) -> None:

@@ -23,7 +23,7 @@ class RunSettings:
     Attributes
     ----------
     t_end, rate
-        Time to simulate [s] and samples a second [Hz], None where that is still to be chosen.
+        Time to simulate [s] and samples a second [Hz], None if that is still to be chosen.
     method, rtol
         Name of the integrator (``registry.METHODS``, or ``auto`` where it is still to be chosen) and its relative
         tolerance, which refers to vibrations.

@@ -26,7 +26,7 @@ def no_points(march: March) -> Points:
 class Samples:
     """The uniform samples of a run, at k / rate for k = 0 .. last, and the points between them.
 
-    All samples of a segment are read at once, so that none depends on where a block ends.
+    All samples of a segment are evaluated together, so that none depends on where a block ends.
 
     Parameters
     ----------

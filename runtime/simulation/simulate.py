@@ -79,7 +79,7 @@ def simulate(
     verify
         Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
     long
-        Begin a run too that is reckoned to take more than about an hour (``method_limits``); else it is refused.
+        Allow a run estimated to take more than about an hour (``method_limits``).
 
     Raises
     ------

@@ -54,7 +54,7 @@ def estimate_accuracy(
     -------
     dict
         ``window_s`` and ``rtol``; ``meshes``, by name the root mean square and the peak of the difference over
-        the vibration (its standard deviation) and over the mean, None where there is nothing to refer to, and for each
+        the vibration (its standard deviation) and over the mean, None if there is nothing to refer to, and for each
         of ``TOLD`` the change of that statistic of the window's second half over its size; ``worst``, the mesh with the
         largest; ``reason``, why there are no numbers, None if there are.
     """

@@ -57,7 +57,7 @@ class Dynamics:
     """Equations of motion of a built model, xdot = f(t, x, p), for a solver of your own.
 
     The load signals follow the model's tables at time t. Mesh levels (how many tooth pairs are in contact) and regimes
-    (teeth that part, races that are reached) follow the state x: the right-hand side then jumps or bends where they
+    (teeth that separate, clearances that close) follow the state x: the right-hand side or its slope jumps where they
     change. ``hold`` fixes them, so that a solver sees smooth functions only, and returns when to hold again.
 
     An object belongs to one thread at a time, since its calls share memory; make one for each thread. Making it,
@@ -81,7 +81,7 @@ class Dynamics:
         Names in the order of x, p and the columns of ``outputs``; the latter as QUANTITY:ITEM.
     events
         For ``solve_ivp(events=...)``: one a border of a regime, and where the reference speed is free two a mesh,
-        since no kinematics knows when their teeth come and go.
+        since kinematics does not give their switching instants.
 
     Raises
     ------
@@ -117,7 +117,7 @@ class Dynamics:
         raise LtcgearError("Dynamics cannot be copied or sent to a process; make another: Dynamics(library, values)")
 
     def _lay_out(self) -> None:
-        """Give the C its sizes, what stays, and room to work in."""
+        """Set the C's sizes, constants and work arrays."""
         state, share, manifest = self._state, self._callee.share, self.library.manifest
         n, meshes, holds, signals = (
             len(part) for part in (manifest.states, manifest.levels, manifest.holds, manifest.signals)
@@ -258,7 +258,7 @@ class Dynamics:
         return self._point.scale
 
     def hold(self, t: float, x: Vector, p: Vector | None = None) -> float:
-        """Hold levels, regimes and the slopes of load signals as they are from now on.
+        """Hold levels, contact states and the slopes of load signals from now on.
 
         Until the time that is returned, or until one of ``events`` falls to zero if that is earlier, the functions are
         smooth and are those of the model. Integrate up to there, hold again and restart. At an event the side
@@ -267,7 +267,7 @@ class Dynamics:
         Returns
         -------
         float
-            The next time [s] at which teeth come or go or a table bends, infinite where nothing is known to.
+            The next known time [s] of a switching or of a knot in a table, infinite if there is none.
         """
         state, arrays, signals = self._state, self._arrays, self._signals
         t = read_time(t)

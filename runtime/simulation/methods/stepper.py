@@ -58,7 +58,7 @@ class Stepper(Protocol):
     counts
         What it has cost so far.
     last
-        The step it begins the next segment with [s], all that it remembers; 0 where it remembers nothing.
+        First step of the next segment [s], its only state; 0 without state.
     """
 
     counts: Counts

@@ -47,7 +47,7 @@ def interpolate(times: Vector, values: Vector, wanted: Vector) -> Vector:
 
 
 class SundaeStepper:
-    """CVODE's BDF in steps of its own choice; nodes are read between its steps."""
+    """CVODE's BDF with its own steps; nodes are interpolated between them."""
 
     finds_borders = True
 

@@ -83,7 +83,7 @@ def find_errors(reference: ComparedSamples, run: ComparedSamples) -> Errors:
     Returns
     -------
     dict
-        By kind (see ``KINDS``) a dict of its ``value``, the worst element ``item`` and more of it, None where the
+        By kind (see ``KINDS``) a dict of its ``value``, the worst element ``item`` and more of it, None if the
         scene has nothing of the kind or it is constant; ``apart``, the share of samples left out.
     """
     together = (reference.levels == run.levels).all(axis=1)
@@ -102,7 +102,7 @@ def find_errors(reference: ComparedSamples, run: ComparedSamples) -> Errors:
 
 
 def value_of(errors: Errors, kind: str) -> float | None:
-    """Return the worst error of a kind; None where there is none."""
+    """Return the worst error of a kind; None if there is none."""
     entry = errors.get(kind)
     return None if entry is None else float(entry["value"])
 

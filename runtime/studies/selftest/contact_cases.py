@@ -226,7 +226,7 @@ def check_flanks(opened: Open, method: str, long: bool) -> Iterable[Finding]:
 
 
 def no_pull(path: Trajectory, forces: Sequence[Vector], size: float) -> Iterable[Finding]:
-    """Find how far flanks pull, between samples and at them, and push at once, over a force."""
+    """Return the tension of flanks, at samples and between, and their simultaneous force, over a force."""
     yield Finding("largest pull between samples", -path.extremes.lowest.min() / size, PARTING)
     yield Finding("largest pull at samples", -min(float(force.min()) for force in forces) / size, PARTING)
     yield Finding("force on both flanks at once", float(np.min(forces, axis=0).max()) / size, PARTING)

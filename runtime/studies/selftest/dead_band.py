@@ -173,7 +173,7 @@ def staircase(frequencies: Sequence[float]) -> tuple[tuple[float, ...], tuple[fl
 
 
 def check_rattle(opened: Open, method: str, long: bool) -> Iterable[Finding]:
-    """Let a pair rattle from flank to flank: no tooth pulls, and the two flanks never push at once."""
+    """Let a pair rattle from flank to flank: no force is tensile, and never do both flanks carry load."""
     scene = DeadBand(opened("hard-dead-band", {}))
     bench = scene.bench
     wide = {**bench.values, "pair.mesh.transmission_error_cos_1": scene.half}

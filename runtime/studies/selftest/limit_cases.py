@@ -89,7 +89,7 @@ def _tiny_inertia(open_: Open, method: str, full: bool) -> Iterator[Finding]:
 
 
 def _tiny_inertia_long(open_: Open, method: str, full: bool) -> Iterator[Finding]:
-    """Let the damped swing die away for a minute; the disc's own motion decays within 1e-11 s."""
+    """Let the damped oscillation decay for a minute; the disc's own motion decays within 1e-11 s."""
     bench = open_("hard-tiny-inertia", {})
     size, place = 1e-4, _state(bench, "rotor.u")
     path = _pushed(bench, size).run(method, t_end=60.0, rate=2.0, rtol=1e-6)

@@ -1,6 +1,6 @@
 """Adjoint jump conditions where stiffness or a regime changes.
 
-At an instant t* with h(x, p) = 0 the motion bends: dx+ = dx- + (f- - f+) dt*, dt* = - (h_x dx- + h_p dp) / h', the
+At an instant t* with h(x, p) = 0 the rates jump: dx+ = dx- + (f- - f+) dt*, dt* = - (h_x dx- + h_p dp) / h', the
 saltation of Hiskens and Pai (2000). The adjoint is its transpose, plus the gain or loss of the output.
 """
 
@@ -75,7 +75,7 @@ class Jumps:
     ) -> None:  # fmt: skip
         """Take adjoint and gradient from after the end of a piece to before it.
 
-        ``shifted`` is the rate of an output that is looked at just after the last change [1/s].
+        ``shifted`` is the rate of an output evaluated just after the last change [1/s].
 
         Raises
         ------

@@ -20,14 +20,14 @@ Vector = NDArray[np.float64]
 MEASURES = ("mean", "rms", "vibration", *SIGNS)
 """Mean; root mean square about zero; root mean square about the mean; largest and smallest value."""
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
-"""Intervals between the points of a piece at which an output is looked at, one after the other."""
+"""Intervals between the points of a piece at which an output is evaluated."""
 EXACT, STILL = 1e-11, 1e-12
 """Change of the mean square that ends that; RMS over mean from which an output counts as varying."""
 
 
 @dataclass(frozen=True)
 class Worth:
-    """A measure of an output y, and its derivative: dJ = integral of (a + b y) dy dt over the window, or dy at once.
+    """A measure of an output y and its derivative, dJ = integral of (a + b y) dy dt over the window or dy at one instant.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Worth:
     start, end
         The window [s].
     instant
-        Where the extreme lies whose dy is all that counts; None for what is an integral.
+        Instant of the extreme; None for an integral.
     """
 
     value: float

@@ -80,7 +80,7 @@ def sweep(
     skip
         Numbers of points that are left out: rows that say so, as of those that failed.
     long
-        Begin runs too that are reckoned to take more than an hour; else they are points that fail.
+        Allow runs estimated to take more than an hour; otherwise such points fail.
     told
         Called with a stage (``build`` or ``simulate``), how much of it is done, its total, and failed points so far.
 

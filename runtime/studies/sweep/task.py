@@ -46,10 +46,10 @@ class Maker(Protocol):
         """Return a variant's C."""
 
     def times(self, changes: Mapping[str, str]) -> tuple[float, float | None]:
-        """Return the time to simulate [s] and the samples a second [Hz], None where they are to be chosen."""
+        """Return the time to simulate [s] and the samples a second [Hz], None if they are to be chosen."""
 
     def entries(self) -> dict[str, Any]:
-        """Return all that numbers depend on, by name."""
+        """Return all settings on which results depend, by name."""
 
     def about(self) -> dict[str, Any]:
         """Return what a file keeps of the scene."""
@@ -66,7 +66,7 @@ class PointOutcome(NamedTuple):
 
 @dataclass
 class Plan:
-    """All that it takes to compute any point of a sweep.
+    """Everything needed to compute any point of a sweep.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Plan:
 
     @cached_property
     def places(self) -> dict[str, Vector | None]:
-        """Return the indices of a variant's numbers in the row, by key; None where it has all of them in order."""
+        """Return the indices of a variant's numbers in the row, by key; None if it has all of them in order."""
         return {key: find_places(row, self.form) for key, row in self.rows.items()}
 
     def __getstate__(self) -> dict[str, Any]:

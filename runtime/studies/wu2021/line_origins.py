@@ -167,7 +167,7 @@ def own_peak(
     -------
     (frequency, share) or None
         Of the highest peak within ``NEAR`` [Hz], a bin above both its neighbours, and its amplitude over that of the
-        strongest line up to 700 Hz; None where there is no peak of ``FAINT`` at least, or nothing was simulated.
+        strongest line up to 700 Hz; None if there is no peak of ``FAINT`` at least, or nothing was simulated.
     """
     from scipy.signal import find_peaks
 

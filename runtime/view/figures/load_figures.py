@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 CYCLES = 6.0
 """Tooth meshes that a close look shows."""
 CLOSE = 0.04
-"""Part of a span that a close look at load shares shows."""
+"""Part of a span shown in the detail of load shares."""
 NAMES = 12
 """Curves in one figure at most."""
 

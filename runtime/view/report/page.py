@@ -144,7 +144,7 @@ def _motion(dataset: xr.Dataset) -> tuple[Track, list[Panel]]:
 
 
 def _pace(window: Window, track: Track) -> float:
-    """Return the pace at which a window lasts as long as it is watched."""
+    """Return the playback speed at which a window lasts its viewing time."""
     span = float(track.time[window.samples][-1] - track.time[window.samples][0])
     return min(PACES, key=lambda pace: abs(log(max(span, 1e-12) / pace / LASTS)))
 

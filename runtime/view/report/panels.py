@@ -14,7 +14,7 @@ Pair = dict[str, Any]
 
 @dataclass(frozen=True)
 class Wheel:
-    """A member as it is drawn.
+    """A member in the drawing.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Contact:
-    """A mesh as it is drawn.
+    """A mesh in the drawing.
 
     Attributes
     ----------

@@ -50,7 +50,7 @@ def make_picture(
 
 
 def _lay_out(figure: Figure, width: float, height: float) -> None:
-    """Give a figure [in] fixed margins, for to find them takes as long as to draw; not where there is a colour bar."""
+    """Give a figure [in] fixed margins, since finding them takes as long as drawing; not with a colour bar."""
     figure.set_size_inches(width, height)
     places = [axes.get_subplotspec() for axes in figure.axes]
     rows = len({place.rowspan.start for place in places if place is not None})

@@ -79,7 +79,7 @@ def write_svg(figure: Figure, name: str, label: str) -> str:
 
 
 def _adopt(element: ElementTree.Element, name: str, used: set[str]) -> None:
-    """Give an element the page's colours and fonts, ids of its own, and no more digits than are seen."""
+    """Give an element the page's colours and fonts, unique ids, and only visible digits."""
     attributes = element.attrib
     for child in [item for item in element if item.tag in (f"{SVG}style", f"{SVG}metadata")]:
         element.remove(child)

@@ -26,7 +26,7 @@ def methods_of(data: Data) -> list[str]:
 
 
 def worst(result: Data) -> Data | None:
-    """Return the finding that is nearest to its limit, or farthest beyond; None where nothing was found."""
+    """Return the finding that is nearest to its limit, or farthest beyond; None if nothing was found."""
     return max(result["findings"], key=_part, default=None)
 
 
