@@ -27,7 +27,7 @@ EXACT, STILL = 1e-11, 1e-12
 
 @dataclass(frozen=True)
 class Worth:
-    """A measure of an output y and its derivative, dJ = integral of (a + b y) dy dt over the window or dy at one instant.
+    """Measure of an output y and its derivative, dJ = integral of (a + b y) dy dt over the window or dy at one instant.
 
     Attributes
     ----------
