@@ -25,9 +25,9 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "arithmetic.md"
 EXAMPLE = "docs/gallery/plot_8_own_solver.py"
 QUICK = (
-    "tests/test_pages.py::test_accuracy", "tests/runtime/test_ties.py",
-    "tests/runtime/test_precision_record.py::test_numbers_are_told_by_what_a_scene_gives",
-    "tests/runtime/test_integrate.py::test_a_sample_on_a_jump_is_the_one_before_it",
+    "tests/test_pages.py::test_accuracy", "tests/runtime/model/test_ties.py",
+    "tests/runtime/studies/test_record.py::test_numbers_are_told_by_what_a_scene_gives",
+    "tests/runtime/simulation/test_integrate.py::test_a_sample_on_a_jump_is_the_one_before_it",
 )  # fmt: skip
 """What is run as a test too, in seconds."""
 SENSITIVE = (
@@ -36,10 +36,10 @@ SENSITIVE = (
     "tests/test_pages.py::test_modes_of_the_rig_are_those_of_the_page",
     "tests/test_pages.py::test_resonances_of_the_rig", "tests/test_pages.py::test_sensitivities",
     "tests/test_pages.py::test_friction_has_the_closed_forms",
-    "tests/runtime/test_plain.py::test_loads_over_time_and_backlash",
-    "tests/runtime/test_plain.py::test_the_rig_has_the_mesh_forces_of_simulate",
-    "tests/runtime/test_plain.py::test_pieces_make_the_same_motion", "tests/runtime/test_regimes.py",
-    "tests/runtime/test_sweep_design.py",
+    "tests/runtime/export/test_plain.py::test_loads_over_time_and_backlash",
+    "tests/runtime/export/test_plain.py::test_the_rig_has_the_mesh_forces_of_simulate",
+    "tests/runtime/export/test_plain.py::test_pieces_make_the_same_motion", "tests/runtime/simulation/test_regimes.py",
+    "tests/runtime/studies/test_sweep_design.py",
 )  # fmt: skip
 """Tests of what could hang on last bits: keys, pages, orders by size, jumps, rattling, committed numbers."""
 OLD_LIBM = "glibc.cpu.hwcaps=" + ",".join(

@@ -114,13 +114,49 @@ def classes() -> dict[str, int]:
     return twice(Counter(name for name in found if not name.startswith("_")))
 
 
+def room_of(module: Module) -> str:
+    """Return a module's folder below the top, two levels at most: ``runtime/model``, ``generated``."""
+    return "/".join(module.path.relative_to(ROOT).parts[:-1][:2])
+
+
+def named() -> dict[str, str]:
+    """Return the room of every module by its stem."""
+    return {m.path.stem: room_of(m) for m in modules().values() if m.path.name != "__init__.py"}
+
+
+def test_files() -> list[Path]:
+    """Return the test files of the three parts, below ``tests/``."""
+    folder = ROOT / "tests"
+    return [path.relative_to(folder) for part in PARTS for path in sorted((folder / part).rglob("test_*.py"))]
+
+
+def unmatched_rooms() -> dict[str, set[str]]:
+    """Return rooms without a folder of tests, and folders of tests that are no room."""
+    rooms, folders = {room_of(m) for m in modules().values()}, {path.parent.as_posix() for path in test_files()}
+    return {"untested": rooms - folders - set(PARTS), "no room": folders - rooms}
+
+
+def misplaced_tests() -> list[str]:
+    """Return test files that have a module's name and stand in another room's folder."""
+    rooms, found = named(), [(path, path.parent.as_posix()) for path in test_files()]
+    return [str(path) for path, folder in found if rooms.get(path.stem.removeprefix("test_"), folder) != folder]
+
+
+def print_tests() -> None:
+    """Print how many modules of each room have a test file of their name."""
+    rooms, files = named(), {path.stem.removeprefix("test_") for path in test_files()}
+    every, found = Counter(rooms.values()), Counter(room for stem, room in rooms.items() if stem in files)
+    told = ", ".join(f"{room} {found[room]}/{count}" for room, count in sorted(every.items()))
+    print(f"modules with a test file of their name {found.total()} of {every.total()}: {told}")
+
+
 def main() -> None:
     """Print the numbers."""
     sizes = np.array(list(functions().values()))
     lines = defaultdict(int)
     for module in modules().values():
         lines[module.name.split(".")[0]] += module.lines
-    tests = sum(len(path.read_text("utf-8").splitlines()) for path in (ROOT / "tests").rglob("*.py"))
+    testing = sum(len(path.read_text("utf-8").splitlines()) for path in (ROOT / "tests").rglob("*.py"))
     total, chain = sum(lines.values()), longest_chain()
     long_files = {name: m.lines for name, m in modules().items() if m.lines > 400}
     long_functions = {name: size for name, size in functions().items() if size > 60}
@@ -132,7 +168,8 @@ def main() -> None:
     print(f"functions {len(sizes)}: 90 % at most {np.quantile(sizes, 0.9):.0f} lines, longest {sizes.max()}")
     print(f"longer than 60: {long_functions or 'none'}\nfiles longer than 400: {long_files or 'none'}")
     told = ", ".join(f"{part} {count}" for part, count in lines.items())
-    print(f"lines {total} ({told}); tests {tests}, {tests / total:.2f} of it")
+    print(f"lines {total} ({told}); tests {testing}, {testing / total:.2f} of it")
+    print_tests()
 
 
 if __name__ == "__main__":

@@ -29,10 +29,10 @@ COSTLY = {
 """Commands that only `make torture` runs, and why."""
 LEFT = {
     "docs/tour.md": "all commands at once; tests have each of them, smaller",
-    "docs/fmu.md": "compiles FMUs; tests/runtime/test_fmu.py does so with others",
-    "docs/analysis.md": "the rig, analysed; tests/runtime/test_analyse.py analyses stages",
+    "docs/fmu.md": "compiles FMUs; tests/runtime/export/test_fmu.py does so with others",
+    "docs/analysis.md": "the rig, analysed; tests/runtime/analysis/test_analyse.py analyses stages",
     "docs/book.md": "books; tests/test_book_pages.py reads one",
-    "docs/resonance.md": "the rig's diagrams; tests/test_cli_resonance.py draws stages'",
+    "docs/resonance.md": "the rig's diagrams; tests/runtime/cli/test_resonance_commands.py draws stages'",
 }
 """Pages that only `make torture` runs, since each takes a minute here, and why that is enough."""
 SHOWN = [page for page in PAGES.pages() if PAGES.read_steps(page)]

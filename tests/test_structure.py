@@ -1,7 +1,17 @@
-"""Structure of the product: no circles, short chains of imports, no name twice, nothing too long."""
+"""Structure of the product: no circles, short chains of imports, no name twice, nothing too long, tests by room."""
 
 import numpy as np
-from benchmarks.structure import ROOT, circles, classes, functions, longest_chain, modules, stems
+from benchmarks.structure import (
+    ROOT,
+    circles,
+    classes,
+    functions,
+    longest_chain,
+    misplaced_tests,
+    modules,
+    stems,
+    unmatched_rooms,
+)  # fmt: skip
 
 ROOMS = {"analysis", "cli", "export", "linear", "model", "results", "simulation", "studies", "view"}
 
@@ -28,3 +38,11 @@ def test_files_and_functions_are_short():
 
 def test_chains_of_imports_stay_short():
     assert len(longest_chain()) <= 15
+
+
+def test_every_room_has_a_folder_of_tests_and_every_folder_is_a_room():
+    assert unmatched_rooms() == {"untested": set(), "no room": set()}
+
+
+def test_a_test_file_with_the_name_of_a_module_stands_in_its_room():
+    assert misplaced_tests() == []

@@ -23,7 +23,7 @@ class Band:
     end_hz
         Where it ends [Hz].
     raw
-        Whether samples were taken as they are, so that lines may be aliases.
+        Whether samples are unfiltered, so that lines may be aliases.
     """
 
     end_hz: float

@@ -1,4 +1,4 @@
-"""Free decay: whether a line dies away as vibration in a mode does."""
+"""Free decay: whether a line decays as vibration in a mode does."""
 
 from __future__ import annotations
 

@@ -154,7 +154,7 @@ def find_sidebands(
     Returns
     -------
     Sidebands or None
-        None where the spectrum is too coarse to tell the sidebands from the line.
+        None if the spectrum is too coarse to tell the sidebands from the line.
     """
     if spacing[1] < spectrum.separation + spectrum.resolution:
         return None

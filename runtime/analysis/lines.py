@@ -133,7 +133,7 @@ def find_clues(dataset: xr.Dataset, modes: Sequence[Mode] = ()) -> Clues:
 def _against_carriers(turning: Mapping[str, float], train: Train) -> Iterator[tuple[str, str, float]]:
     """Yield how often gears turn against the carrier of their stage [Hz], with the stage.
 
-    Of equal planets the first stands for all.
+    Of equal planets the first represents all.
     """
     for name, value in turning.items():
         stage, part = train.members[name].stage, train.members[name].part
@@ -167,7 +167,7 @@ def name_lines(
     highest
         Lines beyond this place on the axis are left out, as are those beyond the band.
     signals
-        The outputs that the spectrum was taken of: by them it is seen whether a line dies away as a mode does, without
+        The outputs that the spectrum was taken of: by them it is seen whether a line decays as a mode does, without
         which none is named after a mode.
     """
     end = min(clues.band.end_hz, float(spectrum.axis[-1]) if highest is None else highest)

@@ -31,9 +31,9 @@ class Orbit:
     centre
         Mean of x and y [m].
     static
-        Place in the loaded equilibrium, with which a run begins [m]; None where the record does not begin there.
+        Place in the loaded equilibrium, with which a run begins [m]; None if the record does not begin there.
     clearance
-        Radial clearance of its bearing [m]; None where it has none.
+        Radial clearance of its bearing [m]; None if it has none.
     held
         ``bearing``, ``pin`` of a planet, or ``no bearing``: teeth, pins or couplings alone hold it.
     """

@@ -80,7 +80,7 @@ def find_order_spectrum(
     Raises
     ------
     LtcgearError
-        If the shaft stands, turns back or is slower at some time than `SLOWEST` of its fastest, or turns
+        If the shaft is at rest, turns back or is slower at some time than `SLOWEST` of its fastest, or turns
         fewer than four times.
     """
     one, other = read_trace(signal), read_trace(angle)

@@ -74,7 +74,7 @@ def group_meshes(meshes: Iterable[str], train: Train) -> dict[str, list[str]]:
 
 
 def find_leads(dataset: xr.Dataset) -> list[str]:
-    """Return of each group of meshes the one that is looked at: the first of those that carry most.
+    """Return the mesh of each group that is analysed: the first of those that carry most.
 
     The two flanks of a mesh with backlash are one group here, so that it is not the idle one.
     """
@@ -90,7 +90,7 @@ def find_leads(dataset: xr.Dataset) -> list[str]:
 
 
 def mean_shares(means: FloatArray, largest: float) -> FloatArray | None:
-    """Return each mesh's mean force over the mean of all [1]; None where they carry nothing beside their largest."""
+    """Return each mesh's mean force over the mean of all [1]; None if the mean is negligible against their largest."""
     middle = float(means.mean())
     return means / middle if abs(middle) > UNLOADED * largest else None
 

@@ -20,7 +20,7 @@ NEEDED = (
 )  # fmt: skip
 """Quantities whose samples must be numbers throughout."""
 CHANGING = 0.01
-"""Change of speed over a span from which lines over frequency are smeared, and orders tell more."""
+"""Relative change of speed over a span above which lines over frequency are smeared and orders are better."""
 
 
 def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None = None) -> xr.Dataset:
@@ -65,7 +65,7 @@ def cut(dataset: xr.Dataset, start_s: float | None = None, stop_s: float | None 
 
 
 def _refuse_gaps(part: xr.Dataset, dataset: xr.Dataset) -> None:
-    """Refuse samples that are not numbers, as a run leaves them that broke down; tell which span has none."""
+    """Refuse samples that are not numbers, as a failed run leaves them; name the span without any."""
     for name in NEEDED:
         if name in part:
             bad = ~np.isfinite(part[name].transpose("time", ...).values)

@@ -35,7 +35,7 @@ class Spectrum:
     axis_unit
         ``Hz``, or ``1`` where ``axis`` counts cycles in a turn of ``shaft``.
     axis, value
-        Bins and what stands at them, shape (m,) each. Bin 0 of amplitudes is the magnitude of the mean.
+        Bins and their values, shape (m,) each. Bin 0 of amplitudes is the magnitude of the mean.
     window
         One of ``spectra.WINDOWS``.
     resolution
@@ -86,7 +86,7 @@ class Spectrum:
         return float(self.axis[top] + 0.5 * (high - low) / bend * self.resolution) if bend > 0.0 else place
 
     def peak(self, place: float) -> float:
-        """Return the height of a peak within a bin of a place; 0 where there is but leakage or noise."""
+        """Return the height of a peak within a bin of a place; 0 if there is only leakage or noise."""
         near = np.flatnonzero(np.abs(self.axis - place) <= 1.01 * self.resolution)
         if not near.size:
             return 0.0

@@ -1,4 +1,4 @@
-"""Survey of a result: all that ``ltcgear analyse`` tells about a span."""
+"""Survey of a result: all that ``ltcgear analyse`` reports on a span."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def analyse(dataset: xr.Dataset, options: Options | None = None, modes: Sequence
 
 
 def _default_outputs(part: xr.Dataset) -> list[str]:
-    """Return what is looked at when nobody says: the first mesh of each group, else the rotors' speeds."""
+    """Return the outputs analysed by default: the first mesh of each group, else the rotors' speeds."""
     leads = [f"mesh_force:{mesh}" for mesh in find_leads(part)]
     return leads or [f"speed:{rotor}" for rotor in list_items(part, "speed")[:4]]
 
@@ -155,7 +155,7 @@ def _default_outputs(part: xr.Dataset) -> list[str]:
 def _see(
     part: xr.Dataset, wide: xr.Dataset, output: str, clues: Clues, asked: Options, notes: list[str]
 ) -> Seen:  # fmt: skip
-    """Look at one output; of two axes density, waterfall and envelope are those of x."""
+    """Analyse one output; with two axes density, waterfall and envelope are those of x."""
     signals = select_output(part, output)
     spectrum = find_spectrum(*signals, window=asked.window)
     lines = name_lines(spectrum, clues, asked.lines, signals=signals)
@@ -224,7 +224,7 @@ def _share(part: xr.Dataset, group: str, notes: list[str]) -> LoadShare | None:
 
 
 def _errors(part: xr.Dataset, leads: Sequence[str]) -> list[TransmissionError]:
-    """Return the transmission errors of some meshes, by angles too where the result tells the gears."""
+    """Return the transmission errors of some meshes, by angles too if the result has the gears."""
     known = [mesh for mesh in leads if mesh in list_items(part, "mesh_deflection")]
     found = [find_transmission_error(part, mesh) for mesh in known]
     fronts = [read_train(part).front(mesh) for mesh in known]

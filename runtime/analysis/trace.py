@@ -98,9 +98,9 @@ def select_output(dataset: xr.Dataset, wanted: str, option: str = "--output ") -
     dataset
         Simulation result.
     wanted
-        Such as ``mesh_force:psh.mesh``; ``acceleration:lsp.sun`` stands for both axes.
+        Such as ``mesh_force:psh.mesh``; ``acceleration:lsp.sun`` means both axes.
     option
-        What stands before an output that is refused, as the user gave it.
+        Prefix of a refused output, as the user gave it.
 
     Returns
     -------
@@ -122,13 +122,13 @@ def select_output(dataset: xr.Dataset, wanted: str, option: str = "--output ") -
 
 
 def phase_of(dataset: xr.Dataset, mesh: str) -> xr.DataArray | None:
-    """Return the phase of a mesh [cycles], which its two flanks share; None where it does not turn by nature."""
+    """Return the phase of a mesh [cycles], which its two flanks share; None if it does not rotate."""
     front = read_train(dataset).front(mesh)
     return pick(dataset, "mesh_phase", front) if front in list_items(dataset, "mesh_phase") else None
 
 
 def list_items(dataset: xr.Dataset, quantity: str) -> list[str]:
-    """List the items of a quantity over time; none where the result lacks it."""
+    """List the items of a quantity over time; none if the result lacks it."""
     return [str(name) for name in dataset[quantity][dataset[quantity].dims[-1]].values] if quantity in dataset else []
 
 

@@ -55,8 +55,8 @@ class TransmissionError:
 def find_transmission_error(dataset: xr.Dataset, mesh: str, definition: str = "deflection") -> TransmissionError:
     """Return the dynamic transmission error of a mesh (Ozguven and Houser 1988, J. Sound Vib. 121:383).
 
-    By ``angles`` it is what encoders on both shafts would tell: deflection, errors of teeth, and what bearings yield.
-    By ``deflection`` it is what the teeth alone yield. The two are equal for perfect gears that only turn.
+    By ``angles`` it is what encoders on both shafts would measure: mesh deflection, errors of teeth, and deflection of
+    bearings. By ``deflection`` it is what the teeth alone yield. The two are equal for perfect gears that only turn.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _by_angles(dataset: xr.Dataset, mesh: str) -> FloatArray:
 
 
 def read_pairs(dataset: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what a result's sheet tells of its meshes, by name; nothing where it is of before it told."""
+    """Return a result's meshes by name, from its layout; none in older files."""
     return {pair["name"]: pair for pair in json.loads(dataset.attrs.get("sheet", "{}")).get("meshes", ())}
 
 
@@ -123,7 +123,7 @@ def _twist(dataset: xr.Dataset, member: str) -> FloatArray:
 
 
 def parameter(dataset: xr.Dataset, name: str) -> float | None:
-    """Return a parameter of the model, None where the result does not hold it."""
+    """Return a parameter of the model, None if the result does not hold it."""
     if "parameter_value" not in dataset or name not in dataset["parameter"].values:
         return None
     return float(dataset["parameter_value"].sel(parameter=name))

@@ -22,7 +22,7 @@ OVERLAP = 0.75
 """Share of a segment that the next one has too; a Hann window then weighs all samples alike."""
 RPM = 30.0 / np.pi
 STANDING = 1e-3
-"""Turns or tooth meshes a second below which shafts and gears stand [Hz]."""
+"""Turns or tooth meshes per second below which shafts and gears count as at rest [Hz]."""
 
 
 @dataclass(frozen=True)

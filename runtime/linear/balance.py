@@ -72,7 +72,7 @@ class Balance:
 
     @cached_property
     def unbalancing(self) -> NDArray[np.bool_]:
-        """Tell the parameters that push along a motion without stiffness: with another value nothing balances."""
+        """Return the parameters that drive a motion without stiffness: other values have no equilibrium."""
         start = start_state(self.library, self.p)
         load = Kernel(self.library.functions["rhs"])(start, self.at.s, self.p)[0][self.rate] * self.mass
         forces = np.abs(self.stiffness) @ (np.abs(self.at.x[self.position]) + ROUNDING) + np.abs(load)

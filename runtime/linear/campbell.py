@@ -36,7 +36,7 @@ class Campbell:
     values
         Of the axis, ascending, shape (m,).
     home
-        The scene's own value, None where the scene has none.
+        The scene's own value, None if the scene has none.
     at_home
         The point nearest to the scene's own, where modes are numbered.
     turns
@@ -61,7 +61,7 @@ class Campbell:
     tracks: NDArray[np.int64] = field(repr=False)
 
     def mode(self, point: int, column: int) -> Mode | None:
-        """Return a followed mode at a point, None where it is not."""
+        """Return a followed mode at a point, None if it is not."""
         place = self.tracks[point, column]
         return None if place < 0 else self.modes[point][place]
 
@@ -148,13 +148,13 @@ def sweep_load(
 
 
 def _torque_places(library: Library) -> list[int]:
-    """Return where constant torques of loads stand among the parameters."""
+    """Return the indices of constant load torques among the parameters."""
     names = [name for name, _ in library.manifest.parameters]
     return [names.index(name) for name in given_torques(library.manifest).values() if name in names]
 
 
 def _speed_place(library: Library) -> int:
-    """Return where the reference's speed stands among the parameters."""
+    """Return the index of the reference's speed among the parameters."""
     names = [name for name, _ in library.manifest.parameters]
     if library.manifest.reference == "rest":
         torques = given_torques(library.manifest)

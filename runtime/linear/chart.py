@@ -55,7 +55,7 @@ class Chart:
 
     @property
     def stable(self) -> NDArray[np.bool_]:
-        """Tell where no small motion grows, shape (k, m)."""
+        """Return where no small motion grows, shape (k, m)."""
         return np.asarray(np.log(self.largest) <= MARGIN)
 
 

@@ -95,7 +95,7 @@ def find_crossings(campbell: Campbell, orders: Sequence[Order]) -> list[Crossing
 
 
 def _rank(crossing: Crossing, slow: float) -> tuple[bool, bool, float, float]:
-    """Sort by force, then by sensitivity, both but for rounding; unbounded first, and last what stands near speed 0."""
+    """Sort by force, then by sensitivity, both up to rounding; unbounded first, crossings near speed 0 last."""
     without = crossing.sensitivity is None
     force, sensitivity = (float(f"{value or 0.0:.9g}") for value in (crossing.force, crossing.sensitivity))
     return (crossing.value < slow, not without, -force, -sensitivity)

@@ -127,7 +127,7 @@ def _all(matrix: csc_array, rates: csr_array) -> Found:
 
 
 def _few(matrix: csc_array, rates: csr_array, count: int, wanted: int) -> Found | None:
-    """Find the lowest eigenvalues by Arnoldi's method about a small shift (ARPACK); None where that fails.
+    """Find the lowest eigenvalues by Arnoldi's method about a small shift (ARPACK); None if that fails.
 
     ``wanted`` are looked for; where the last of them are crowded, those of ``count`` modes may not be among them.
     """

@@ -17,9 +17,9 @@ SAMPLES = 1024
 
 
 def find_harmonics(linear: Linear, p: Vector, count: int) -> dict[str, Complex]:
-    """Return the complex amplitudes [N] of what each mesh's force varies by while all bodies stand still.
+    """Return the complex amplitudes [N] of each mesh force's variation with all bodies at rest.
 
-    Deflections are held at those of the equilibrium while the mesh phase goes on by one pitch. What the force then
+    Deflections are held at those of the equilibrium while the mesh phase advances by one pitch. What the force then
     does, (k(tau) - k) delta and k e of errors, is what drives the motion to first order.
 
     Parameters

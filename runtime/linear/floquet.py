@@ -1,9 +1,9 @@
 """Floquet multipliers: what one period of the mesh stiffness makes of a small motion.
 
-On a step of length h between two jumps A is A(t), and z goes on by exp(h (A_1 + A_2) / 2 + h^2 sqrt(3) / 12 [A_2, A_1])
-with A at the two Gauss points of the step: Magnus's expansion of order four (Blanes, Casas, Oteo and Ros 2009, Phys.
-Rep. 470:151, section 5). It is exact where A is constant between the jumps. The product over a period is the monodromy
-matrix; its eigenvalues are the multipliers mu, and the motion grows where one lies outside the unit circle.
+On a step of length h between two jumps A is A(t), and z is advanced by exp(h (A_1 + A_2) / 2 + h^2 sqrt(3) / 12 [A_2,
+A_1]) with A at the two Gauss points of the step: Magnus's expansion of order four (Blanes, Casas, Oteo and Ros 2009,
+Phys. Rep. 470:151, section 5). It is exact where A is constant between the jumps. The product over a period is the
+monodromy matrix; its eigenvalues are the multipliers mu, and the motion grows where one lies outside the unit circle.
 """
 
 from collections.abc import Callable, Sequence
@@ -49,7 +49,7 @@ class Multiplier:
         Number of the mode it is most like, counted from 1 as ``ltcgear modes`` lists them; None for a motion that
         does not oscillate.
     resonance
-        What makes it grow, None where it does not.
+        What makes it grow, None if it does not.
     """
 
     value: complex
@@ -86,7 +86,7 @@ class Floquet:
 
     @property
     def stable(self) -> bool:
-        """Tell whether no small motion grows."""
+        """Return whether no small motion grows."""
         return bool(np.log(abs(self.multipliers[0].value)) <= MARGIN)
 
 

@@ -21,7 +21,7 @@ SLIGHT = 1e-9
 
 @dataclass(frozen=True)
 class MeshPath:
-    """A mesh as small motions z see it: N = force z + u, zdot = A z + push u, u a normal force beside it.
+    """A mesh as small motions z see it: N = force z + u, zdot = A z + push u, u an additional normal force.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class TorqueInput:
 def find_paths(linear: Linear) -> dict[str, MeshPath]:
     """Return by name how normal forces of the meshes act on small motions.
 
-    Work tells: a normal force u does u d(delta), so its generalised forces are -u (d delta/d q)^T, and accelerations
+    From the work: a normal force u does u d(delta), so its generalised forces are -u (d delta/d q)^T, and accelerations
     follow by the mass matrix. Of a mesh whose stiffness has levels, a level's own push is taken: with friction it
     has what follows from the normal force at a right angle to it, which the work does not see.
     """

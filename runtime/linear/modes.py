@@ -107,7 +107,7 @@ def _rigid(found: _Found, k: int) -> Mode:
 def _real_modes(found: _Found, real: NDArray[np.int64]) -> list[Mode]:
     """Describe the real eigenvalues: two that decay in like shapes are one overdamped mode.
 
-    Such a pair has omega^2 = l1 l2 and zeta = -(l1 + l2) / 2 omega. One that grows stands alone, as does
+    Such a pair has omega^2 = l1 l2 and zeta = -(l1 + l2) / 2 omega. A growing one is single, as does
     the one that decays in its shape, and one without a partner: a rigid motion that is braked.
     """
     unit = np.sqrt(found.motions.mass)[:, None] * found.moved.real

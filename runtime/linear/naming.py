@@ -69,14 +69,14 @@ def _mover(side: list[str], moving: Mapping[str, float], stage: str, topology: T
 
 
 def _sides(cut: str, topology: Topology) -> tuple[list[str], list[str]]:
-    """Return what hangs together on either side once a group is cut; its two ends where they still do."""
+    """Return the connected members on either side of a group that is cut; its two ends if these stay connected."""
     ends = topology.links[cut].ends
     one, two = (_reached(start, cut, topology) for start in ends)
     return ([ends[0]], [ends[1]]) if set(one) & set(two) else (one, two)
 
 
 def _reached(start: str, cut: str, topology: Topology) -> list[str]:
-    """Return what hangs together with a member, but for one group and the housing."""
+    """Return the members connected to one, except through one group and the housing."""
     reached = [start]
     for name in reached:
         for group, link in topology.links.items():

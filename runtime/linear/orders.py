@@ -14,7 +14,7 @@ from ..model.phase_wrapping import TURN, Clocks
 
 Vector = NDArray[np.float64]
 SIDES = (-1, 1)
-"""Steps to both sides of a mesh order at which its sidebands stand."""
+"""Distances of the sidebands on both sides of a mesh order, in steps."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def list_orders(manifest: Manifest, p: Vector, harmonics: int, sidebands: bool =
 
 
 def mesh_advances(manifest: Manifest, p: Vector) -> dict[str, float]:
-    """Return by gear set the pitches that pass in one turn of the reference; those whose meshes stand are left out."""
+    """Return by gear set the pitches that pass in one turn of the reference; those with meshes at rest are left out."""
     courses, train = Clocks(manifest, p).by_mesh, train_of(manifest)
     return {train.stage(mesh): float(course.advance) for mesh, course in courses.items() if course.advance}
 
@@ -114,13 +114,13 @@ def list_sides(manifest: Manifest, p: Vector, stage: str) -> list[Side]:
 def phases_of(manifest: Manifest, p: Vector, order: Order, meshes: Sequence[str], speed: float) -> Vector:
     """Return the phases [rad] with which an order excites meshes of its stage, shape (meshes,).
 
-    The h-th harmonic of a mesh that stands at tau is h tau cycles ahead, whatever its shape; planets differ by
+    The h-th harmonic of a mesh at phase tau is h tau cycles ahead, whatever its shape; planets differ by
     their mesh phases, which is what decides about the modes that are excited (Parker 2000, J. Sound Vib. 236:561).
 
     Parameters
     ----------
     speed
-        Of the reference [rad/s]; its sign tells which way phases run.
+        Of the reference [rad/s]; its sign is the direction of the phases.
     """
     number = name_values(manifest, p)
     starts = {clock.mesh: number[clock.start] for clock in manifest.clocks if clock.mesh}

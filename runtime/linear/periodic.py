@@ -33,7 +33,7 @@ CHUNK = 256
 
 @dataclass(frozen=True)
 class Periodic:
-    """A linear system whose stiffness varies with the mesh phase; all else of A stands as at the start.
+    """A linear system whose stiffness varies with the mesh phase; all else in A is as at the start.
 
     Attributes
     ----------
@@ -227,7 +227,7 @@ def check_periodic(library: Library) -> None:
 
 
 def choose_meshes(train: Train, varying: list[str], known: list[str], wanted: str | None) -> list[str]:
-    """Return the varying meshes that a name stands for: a mesh, the meshes of one kind, or a stage."""
+    """Return the varying meshes with a name: a mesh, the meshes of one kind, or a stage."""
     if not varying:
         raise LtcgearError(
             "stability: no stiffness varies; set effects.mesh_stiffness to two-level, smooth, fourier, table or "
@@ -266,7 +266,7 @@ def _speed(library: Library, p: Vector) -> float:
 
 
 def take_sense(library: Library, p: Vector, size: float) -> float:
-    """Return a speed of the reference [rad/s] of some size in the scene's own sense, forwards where it stands."""
+    """Return a speed of the reference [rad/s] of a given magnitude in the scene's sense, forwards if it is at rest."""
     check_periodic(library)
     return -size if _held_speed(library, p) < 0 else size
 

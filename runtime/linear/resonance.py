@@ -30,7 +30,7 @@ def check_suffix(path: Path) -> None:
 
 
 def tell_campbell(scene: str, campbell: Campbell, orders: Sequence[Order], crossings: Sequence[Crossing]) -> Data:
-    """Tell modes along the axis, orders and crossings."""
+    """Report modes along the axis, orders and crossings."""
     columns = range(campbell.tracks.shape[1])
     return {
         "scene": scene,
@@ -46,7 +46,7 @@ def tell_campbell(scene: str, campbell: Campbell, orders: Sequence[Order], cross
 
 
 def _tell_track(campbell: Campbell, column: int) -> Data:
-    """Tell a followed mode."""
+    """Report a tracked mode."""
     found = [campbell.mode(i, column) for i in range(len(campbell.values))]
     point = campbell.at_home if found[campbell.at_home] else next(i for i, mode in enumerate(found) if mode)
     (known,) = describe_modes(campbell.linears[point], [mode for mode in found[point : point + 1] if mode])
@@ -60,7 +60,7 @@ def _tell_track(campbell: Campbell, column: int) -> Data:
 
 
 def _tell_crossing(crossing: Crossing) -> Data:
-    """Tell a crossing."""
+    """Report a crossing."""
     return {
         "crossing": f"{crossing.order.name} with mode {', '.join(map(str, crossing.modes))}",
         "order": crossing.order.name,
@@ -75,7 +75,7 @@ def _tell_crossing(crossing: Crossing) -> Data:
 
 
 def tell_response(scene: str, response: Response, modes: Sequence[Mode]) -> Data:
-    """Tell amplitudes, phases and peaks of every output; a peak without damping has no amplitude."""
+    """Report amplitudes, phases and peaks of every output; a peak without damping has no amplitude."""
     return {
         "scene": scene,
         "excited": response.excited,
@@ -91,7 +91,7 @@ def tell_response(scene: str, response: Response, modes: Sequence[Mode]) -> Data
 
 
 def _tell_output(response: Response, column: int, modes: Sequence[Mode]) -> Data:
-    """Tell one output."""
+    """Report one output."""
     quantity, item, unit = response.outputs[column]
     values = response.values[:, column]
     peaks = [

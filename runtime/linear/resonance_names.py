@@ -72,7 +72,7 @@ class Naming:
         return self.parts[best].number, abs(self.parts[best].value.imag)
 
     def resonance(self, vector: Complex) -> Resonance | None:
-        """Return the two modes that a growing motion is made of, None where it is not made of two."""
+        """Return the two modes that a growing motion is made of, None if it is not made of two."""
         size: dict[tuple[int, bool], float] = {}
         first: dict[tuple[int, bool], Oscillation] = {}
         for part in self.parts:
@@ -86,7 +86,7 @@ class Naming:
 
 
 def combine(one: Oscillation, two: Oscillation, base: float) -> Resonance | None:
-    """Name the resonance of two eigenvalues at a base frequency [rad/s], None where no multiple is near."""
+    """Name the resonance of two eigenvalues at a base frequency [rad/s], None if no multiple is near."""
     order = abs(round((one.value.imag - two.value.imag) / base))
     if order == 0:
         return None
@@ -101,7 +101,7 @@ def combine(one: Oscillation, two: Oscillation, base: float) -> Resonance | None
 def list_oscillations(periodic: Periodic) -> list[Oscillation]:
     """Return the eigenvalues of the mean system that oscillate, states in sizes of their vibration.
 
-    Conjugates stand side by side, the one that turns forwards first.
+    Conjugates are adjacent, the one that turns forwards first.
     """
     size = periodic.linear.scale[periodic.linear.kept]
     found = []

@@ -1,7 +1,7 @@
 """Frequency response of mesh forces to a sinusoidal transmission error or torque ripple.
 
 With zdot = A z + b(omega) u and y = C z + d(omega) u, the response is H = C (i omega - A)^-1 b + d. Of a mesh's
-transmission error e the normal force beside the model's is -(k + i omega c) e, of a torque its ripple.
+transmission error e the additional normal force is -(k + i omega c) e, that of a torque its ripple.
 """
 
 from collections.abc import Sequence
@@ -27,13 +27,13 @@ QUANTITIES = (
 MOTION = "dynamic_transmission_error"
 """Motion of a mesh along its line of action, the error itself left out [m]."""
 BESIDE = np.array([-8.0, -4.0, -2.0, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0])
-"""Where frequencies stand about a resonance, in half-power half-widths."""
+"""Frequencies around a resonance, in half-power half-widths."""
 
 PROMINENT = 0.1
-"""By how much of itself a peak must stand out."""
+"""Least prominence of a peak, over its height."""
 
 UNDAMPED = 1e-5
-"""Damping ratio below which a resonance is kept off by so much: without damping it has no end."""
+"""Damping ratio assumed at least for the grid around a resonance, which is unbounded without damping."""
 
 
 @dataclass(frozen=True)

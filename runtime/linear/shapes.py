@@ -1,4 +1,4 @@
-"""Mode shapes as they are drawn: how far each member on the sheet shifts and turns."""
+"""Mode shapes for drawing: translation and rotation of each member in the layout."""
 
 from dataclasses import dataclass
 

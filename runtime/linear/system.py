@@ -86,14 +86,14 @@ class Linear:
 
     @cached_property
     def positions(self) -> Indices:
-        """Return where displacements stand among the kept states; ``rates`` has their rates in the same order."""
+        """Return the indices of displacements among the kept states; ``rates`` has their rates in the same order."""
         moving = self.library.index("").tolist()
         free = "reference.speed" in self.names
         return self._places([*([self._state("reference.angle")] if free else []), *moving])
 
     @cached_property
     def rates(self) -> Indices:
-        """Return where the rates of ``positions`` stand among the kept states."""
+        """Return the indices of the rates of ``positions`` among the kept states."""
         moving = self.library.index(".rate").tolist()
         free = "reference.speed" in self.names
         return self._places([*([self._state("reference.speed")] if free else []), *moving])

@@ -144,7 +144,7 @@ def harmonics(periodic: Periodic, count: int) -> Complex:
 def _tongue(
     parts: list[Oscillation], pair: tuple[Indices, Indices], n: int, up: Complex, ratio: float
 ) -> Tongue | None:
-    """Return the tongue of order n of two groups of eigenvalues, None where they do not drive each other."""
+    """Return the tongue of order n of two groups of eigenvalues, None if they are not coupled."""
     a, b = pair
     one, two = parts[a[0]], parts[b[0]]
     # A_-n is the conjugate of A_n, and conjugate parts are neighbours: Y follows from X of the conjugates.

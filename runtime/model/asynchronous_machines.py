@@ -17,9 +17,9 @@ NUDGE = 1e-6
 def past_breakdown(library: Library, x: Vector, s: Vector, p: Vector) -> Iterator[str]:
     """Yield which machines turn beyond their breakdown slip at a state.
 
-    There the torque of a slip law (Kloss), T = -2 T_b z / (1 + z^2) with slip over breakdown slip z, falls the further
-    the speed goes away: a machine passes it on a start, and stays there only if it has been overpowered. On which side
-    of |z| = 1 it is tells the slope of its torque over its synchronous speed.
+    There the torque of a slip law (Kloss), T = -2 T_b z / (1 + z^2) with slip over breakdown slip z, decreases as the
+    speed departs further: a machine passes it on a start, and stays there only if it has been overpowered. The sign of
+    the slope of its torque over its synchronous speed shows on which side of |z| = 1 it is.
     """
     names = [name for name, _ in library.manifest.parameters]
     told = {r.item: i for i, r in enumerate(library.manifest.reports) if r.quantity == "load_torque"}

@@ -1,8 +1,8 @@
 """BLAS threads: linear algebra in one thread while a run is set up.
 
 The matrices of a train are small, so threads wait for each other, and a set-up takes several times as long with two.
-The command line sets OPENBLAS_NUM_THREADS before NumPy is loaded; a program that imports ltcgear has loaded it long
-since, and its own work may want the threads.
+The command line sets OPENBLAS_NUM_THREADS before NumPy is loaded; a program that imports ltcgear has already loaded it
+and may need the threads for its own work.
 """
 
 import os
@@ -30,10 +30,10 @@ def single_threaded() -> Iterator[None]:
 
 @cache
 def _libraries(scipy_loaded: bool) -> ThreadpoolController:
-    """Return the linear algebra that is loaded; to look for it takes milliseconds, to set its threads microseconds.
+    """Return the loaded BLAS libraries; finding them takes milliseconds, setting their threads microseconds.
 
-    SciPy brings a BLAS of its own beside NumPy's, and only what is loaded is found. Where the surroundings set one
-    thread it has one whenever it comes.
+    SciPy has its own BLAS besides NumPy's, and only loaded libraries are found. If the environment sets one thread, a
+    BLAS loaded later has one too.
     """
     if not scipy_loaded and os.environ.get("OPENBLAS_NUM_THREADS") != "1":
         _ = scipy.linalg

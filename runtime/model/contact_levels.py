@@ -14,7 +14,7 @@ Cells = NDArray[np.int64]
 
 
 AT_BORDER = 1e-9
-"""How close to a border [cycles] counts as being there."""
+"""Distance [cycles] from a switching point that counts as being on it."""
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,12 @@ class Phases:
 
 
 def at_border(phases: Phases) -> Vector:
-    """Return how close to a border [cycles] counts as being there: a billionth of a pitch, or rounding."""
+    """Return the distance [cycles] from a switching point that counts as on it: a billionth of a pitch, or rounding."""
     return np.asarray(AT_BORDER + 16 * np.finfo(float).eps * np.abs(phases.tau))
 
 
 def cells_of(phases: Phases) -> Cells:
-    """Return each phase's cell; at a border, the cell it is entering."""
+    """Return each phase's cell; at a switching point, the cell it is entering."""
     near = at_border(phases)
     whole = np.floor(phases.tau + near)
     part = phases.tau - whole
@@ -47,20 +47,20 @@ def levels_of(cells: Cells) -> Vector:
 
 
 def lower(cells: Cells, share: Vector) -> Vector:
-    """Return the lower border of cells [cycles]."""
+    """Return the lower bound of cells [cycles]."""
     return np.asarray(cells // 2 + cells % 2 * share)
 
 
 def upper(cells: Cells, share: Vector) -> Vector:
-    """Return the upper border of cells [cycles]."""
+    """Return the upper bound of cells [cycles]."""
     return lower(cells + 1, share)
 
 
 def expected_switchings(now: Phases, cells: Cells, since: Cells, free: bool) -> int:
     """Return the switchings from some cells on, by kinematics.
 
-    On a border the cells of the march count where the train stands, or may turn back (``free``), whether or not it has
-    left its last ones.
+    At a switching point the cells of the integration count if the train is at rest or may reverse (``free``), whether
+    or not it has left its last cell.
     """
     beside = np.minimum(np.abs(now.tau - lower(cells, now.share)), np.abs(now.tau - upper(cells, now.share)))
     kept = ((now.rate == 0) | free) & (beside <= at_border(now))

@@ -32,7 +32,7 @@ FAULTS = (
     "the motion grows without bound",
     "an engine stopped",
 )
-"""What ends a march, in the order of the C's enumeration."""
+"""Reasons for which an integration ends, in the order of the C's enumeration."""
 STOPPED = len(FAULTS) - 1
 
 SHARED = (
@@ -67,13 +67,13 @@ SHARED = (
     ("passing", "wholes", "changed arc_cells"),
     ("passing", "bytes", "new_sides arc_sides"),
 )
-"""Role, kind and names of all that C and Python share, in the order of both structures."""
+"""Role, kind and names of the shared fields, in the order of both structures."""
 FIELDS = tuple((name, kind, role) for role, kind, names in SHARED for name in names.split())
 NAMES = {role: tuple(name for name, _, of in FIELDS if of == role) for role in ("fixed", "leg", "kept", "passing")}
 """Role of fields -> their names."""
 KIND = {name: kind for name, kind, _ in FIELDS}
 STAGES, FINE = 7, 64
-"""Stages of the explicit method; intervals of an arc at whose ends indicators are looked at."""
+"""Stages of the explicit method; intervals of a segment at whose ends indicators are evaluated."""
 ADVANCE = ctypes.CFUNCTYPE(None, ctypes.c_double)
 DTYPES: dict[str, Any] = {"reals": np.float64, "wholes": np.int64, "bytes": np.bool_}
 PREAMBLE = f"""#ifndef _POSIX_C_SOURCE
@@ -131,7 +131,7 @@ class MarchStruct(ctypes.Structure):
 
 @cache
 def source(parts: tuple[str, ...] = SOURCES) -> str:
-    """Return the march's C, or some parts of it."""
+    """Return the integrator's C, or some parts of it."""
     fields = "\n".join(f"  {KINDS[kind][1].format(name)};" for name, kind, _ in FIELDS)
     texts = ((Path(__file__).parent / "c" / name).read_text("utf-8") for name in parts)
     return "\n".join([PREAMBLE, f"typedef struct {{\n{fields}\n}} march;\n", *texts])
@@ -139,7 +139,7 @@ def source(parts: tuple[str, ...] = SOURCES) -> str:
 
 @cache
 def engine() -> ctypes.CDLL:
-    """Return the compiled march.
+    """Return the compiled integrator.
 
     Raises
     ------
@@ -185,7 +185,7 @@ def bound(library: Library, name: str) -> tuple[Function, list[NDArray[Any]]]:
 
 
 class Shared:
-    """What C and Python share: scalars in a C structure, arrays of NumPy's that it points to.
+    """Data shared by C and Python: scalars in a C structure, which points to NumPy arrays.
 
     Parameters
     ----------
@@ -223,7 +223,7 @@ class Shared:
 
 
 class Native(Shared):
-    """The march's state."""
+    """The state of an integration in C."""
 
     def __init__(self) -> None:
         super().__init__(MarchStruct(), KIND)
@@ -245,5 +245,5 @@ class Native(Shared):
         self.state.advance = ADVANCE(advance)
 
     def march(self, segments: int, seconds: float) -> int:
-        """March on, see ``model/c/march.c``; other threads run meanwhile."""
+        """Integrate on (``model/c/march.c``), without the interpreter's lock."""
         return int(self.engine.ltcgear_march(ctypes.byref(self.state), segments, seconds))

@@ -1,4 +1,4 @@
-"""Dynamic relaxation: forces move what they act on until they balance, through gaps that close."""
+"""Dynamic relaxation: bodies move under their forces until these balance, with clearances that close on the way."""
 
 from collections.abc import Callable
 
@@ -7,27 +7,27 @@ from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
 GENTLER, BOLDER = 8.0, 4.0
-"""Factors of the resistance after a step that made forces grow, and after one that did not."""
+"""Factors of the damping after a step that increased the forces, and after one that did not."""
 GROWTH = 1.01
-"""By how much forces may grow in a step: on the way down a slope that steepens they must."""
+"""Factor by which forces may grow in a step, as they must where a potential steepens."""
 MOST = 600
 
 
 def relax(balance: Callable[[Vector], tuple[Vector, Vector]], q: Vector, small: float) -> Vector | None:
-    """Return a place where forces balance, or None where they do not come to rest.
+    """Return a position of equilibrium, or None if the iteration does not converge.
 
-    Every step solves (K + m I) dq = f. Where the forces have a convex potential, such steps let them fall for any
-    m > 0 that is large enough, whether or not K is singular, as it is within a gap.
+    Every step solves (K + m I) dq = f. If the forces have a convex potential, such steps reduce them for any
+    sufficiently large m > 0, even if K is singular, as it is within a clearance.
 
     Parameters
     ----------
     balance
-        Returns forces and stiffness at a place, scaled so that stiffnesses are about 1, shapes (n,), (n, n); not
-        finite where there is no such place.
+        Returns forces and stiffness at a position, scaled so that stiffnesses are about 1, shapes (n,), (n, n); not
+        finite at an impossible position.
     q
-        Where to begin, shape (n,).
+        Start, shape (n,).
     small
-        Norm of the scaled forces that counts as balance.
+        Norm of the scaled forces below which they balance.
     """
     force, stiffness = balance(q)
     if not (np.isfinite(force).all() and np.isfinite(stiffness).all()):

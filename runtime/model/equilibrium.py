@@ -1,4 +1,4 @@
-"""Loaded equilibrium at running speed, where a simulation starts and a linearisation stands."""
+"""Loaded equilibrium at running speed: start of a simulation and point of linearisation."""
 
 from collections.abc import Mapping
 
@@ -18,19 +18,19 @@ from .tooth_deflection import Teeth
 
 Vector = NDArray[np.float64]
 ROUNDING = 1e-8
-"""Deflection [m], [rad] whose force is what forces out of balance are compared with, where nothing else acts."""
+"""Deflection [m], [rad] whose force is the scale of unbalanced forces where nothing else acts."""
 SETTLED = 1e-14
-"""Change [m], [rad] below which an iteration stands still: what rounding makes of lengths of a metre."""
+"""Change [m], [rad] below which an iteration has converged: rounding of lengths of a metre."""
 PULLS = (1.0, 1e-3, 1e-6)
-"""Shares of their stiffness with which teeth pull on the way to the equilibrium."""
+"""Tensile stiffness of teeth on the way to the equilibrium, as shares of the full one."""
 LOOSE = 4 * np.finfo(float).eps
-"""Share of the largest singular value, for each freedom, below which a motion meets no stiffness but rounding."""
+"""Share of the largest singular value, per degree of freedom, below which a motion has no stiffness but rounding."""
 LARGE = 100
-"""Freedoms above which a step is tried by sparse elimination first."""
+"""Degrees of freedom above which sparse elimination is tried first."""
 OPEN = 1e-9
-"""Share of the forces at work by which those on a loose motion may miss their balance."""
+"""Unbalance allowed on an unconstrained motion, as a share of the forces acting."""
 SLIGHT = 0.1
-"""Share of the loads below which what is out of balance is told."""
+"""Share of the loads below which an unbalance is reported by size."""
 
 
 def start_state(library: Library, p: Vector) -> Vector:
@@ -50,7 +50,7 @@ def find_equilibrium(
     """Solve for vanishing vibration accelerations with Newton's method on the generated Jacobian.
 
     Stiffness and errors that vary with the mesh phase are at their means. Loads over time are those just before the
-    start: a speed that begins to rise there has not begun.
+    start: a speed that rises from there on is still constant.
 
     Parameters
     ----------
@@ -66,7 +66,8 @@ def find_equilibrium(
     Raises
     ------
     SolverError
-        If a loaded member is not restrained, the iteration does not settle, or teeth would deflect by more than teeth.
+        If a loaded member is not restrained, the iteration does not converge, or teeth would deflect by more than a
+        tooth.
     """
     at, teeth = _seek(library, p, levels, tables), Teeth(library, p)
     if teeth.columns:
@@ -107,7 +108,7 @@ def _seek(library: Library, p: Vector, levels: Vector | None, tables: Mapping[st
 
 
 def _relaxed(library: Library, p: Vector, levels: Vector, signals: Vector) -> Vector | None:
-    """Let members fall through their gaps until teeth hold them; None where nothing stops them."""
+    """Move members through their clearances until teeth hold them; None if nothing does."""
     position, rate, mass = library.index(""), library.index(".rate"), inertias(library, p)
     rhs, jacobian = Kernel(library.functions["rhs"]), Kernel(library.functions["jac_rhs"])
     s, start, loaded = np.concatenate([levels, signals]), start_state(library, p), settled(library, p)
@@ -161,7 +162,7 @@ def _newton(library: Library, p: Vector, x: Vector, levels: Vector, signals: Vec
 def _residual(library: Library, force: Vector, size: Vector) -> float:
     """Return the largest force or torque out of balance over the size of what is in balance there.
 
-    A freedom at which nothing acts is measured by the largest of its kind.
+    A degree of freedom without forces is compared with the largest of its kind.
     """
     kinds = _turning(library)
     for kind in (True, False):
@@ -170,7 +171,7 @@ def _residual(library: Library, force: Vector, size: Vector) -> float:
 
 
 def _turning(library: Library) -> NDArray[np.bool_]:
-    """Tell which deviations are angles."""
+    """Return which deviations are angles."""
     return np.array([library.manifest.states[i].turns for i in library.index("")])
 
 
@@ -184,10 +185,10 @@ def unit_scale(library: Library, stiffness: Vector) -> Vector:
 
 
 def _solve(library: Library, stiffness: Vector, force: Vector, place: Vector, load: Vector) -> Vector:
-    """Solve one Newton step, no further than it must along motions without stiffness; who is pushed along is named.
+    """Solve one Newton step, of least length along motions without stiffness; members driven along these are named.
 
-    A freedom may be loose: gears that turn together, a member within its gap. There the forces must balance, but
-    for rounding: that of a length of ``OPEN`` times ``ROUNDING``, and of the springs' own forces.
+    A motion may be unconstrained: gears that turn together, a member within its clearance. There the forces must
+    balance, but for rounding: that of a length of ``OPEN`` times ``ROUNDING``, and of the springs' own forces.
     """
     scale = unit_scale(library, stiffness)
     if len(force) > LARGE:
@@ -208,7 +209,7 @@ def _solve(library: Library, stiffness: Vector, force: Vector, place: Vector, lo
 
 
 def _solve_sparse(stiffness: Vector, force: Vector) -> Vector | None:
-    """Solve by sparse elimination; None where a motion may be loose, by an estimate of the smallest singular value.
+    """Solve by sparse elimination; None if the smallest singular value, estimated, shows an unconstrained motion.
 
     The 1-norm of the inverse is estimated by Hager's method, usually exact and within a factor of 3; it bounds the
     largest singular value of the inverse but for the root of the size.
@@ -230,7 +231,7 @@ def _solve_sparse(stiffness: Vector, force: Vector) -> Vector | None:
 
 
 def _unrestrained(library: Library, shares: Vector, part: float) -> str:
-    """Name the members that a load can push without end; tell what part of the loads misses its balance if slight."""
+    """Name the members that a load can move without limit, and the unbalanced share of the loads if small."""
     states = [library.manifest.states[i] for i in library.index("")]
     chosen = [f"{s.body} ({s.axis})" for s, share in zip(states, shares, strict=True) if share > 0.3 * shares.max()]
     return (

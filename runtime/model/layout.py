@@ -1,4 +1,4 @@
-"""Layout of the train: its members as circles side by side, stage by stage."""
+"""Layout of a drawing of the train: members as circles side by side, stage by stage."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -27,13 +27,13 @@ class Circle:
     body
         Its name.
     x, y, radius
-        Place on the sheet and radius [m].
+        Position in the drawing and radius [m].
     part
         ``sun``, ``planet``, ``ring``, ``carrier``, ``input``, ``output`` or ``rotor``.
     unit
         Radius of the largest circle of its stage [m].
     stage
-        Its stage, or the name of a rotor that stands alone.
+        Its stage, or the name of a rotor.
     """
 
     body: str
@@ -56,7 +56,7 @@ class GearPair:
     sense
         1 external, -1 internal.
     back
-        Whether it stands for the flanks that are not loaded.
+        Whether it is the mesh of the unloaded flanks.
     flank
         The side on which its teeth push, 1 or -1.
     radii, teeth
@@ -83,7 +83,7 @@ class Sheet:
     discs
         The members, those behind first.
     titles
-        Names of stages and rotors with the places [m] of their middles.
+        Names of stages and rotors with the positions [m] of their centres.
     width, height
         Size [m]; the middle of the left edge is the origin.
     meshes
@@ -196,5 +196,5 @@ def _planetary(member: dict[str, RigidBody], planets: list[RigidBody], number: N
 
 
 def _place(body: RigidBody, number: Numbers, nominal: tuple[float, float]) -> tuple[float, float]:
-    """Return where a body stands; its nominal place where nothing moves sideways."""
+    """Return a body's position; its nominal one without lateral motion."""
     return (number[body.place[0]], number[body.place[1]]) if body.place else nominal

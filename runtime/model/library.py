@@ -25,13 +25,13 @@ class Library:
     manifest
         Names and shapes.
     path
-        The shared library, None where the functions run on CasADi's virtual machine.
+        The shared library, None if the functions run on CasADi's virtual machine.
     functions
         The functions of the contract by name.
     artifact
         What it was built from.
     code
-        The shared library as it was loaded, None where there is none.
+        The shared library as it was loaded, None if there is none.
     """
 
     manifest: Manifest

@@ -43,7 +43,7 @@ class Joint:
 class Train:
     """All members, and all meshes and pins.
 
-    What has none of these names, such as a coupling, is its own stage and group.
+    Other names, such as a coupling's, are their own stage and group.
     """
 
     members: dict[str, TrainMember] = field(default_factory=dict)
@@ -68,11 +68,11 @@ class Train:
         return f"{self.members[member].stage} planets" if self.is_planet(member) else member
 
     def is_geared(self, name: str) -> bool:
-        """Tell a member of a stage from a rotor."""
+        """Return whether it is a member of a stage, not a rotor."""
         return name in self.members and bool(self.members[name].stage)
 
     def is_planet(self, name: str) -> bool:
-        """Tell a planet from what else there is."""
+        """Return whether it is a planet."""
         return name in self.members and self.members[name].part == PLANET
 
     def part(self, stage: str, part: str) -> str:

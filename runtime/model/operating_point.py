@@ -21,7 +21,7 @@ EigenPairs = tuple[Complex, Complex]
 class OperatingPoint:
     """A model at its loaded equilibrium.
 
-    What follows is computed when it is first asked for, once; parameters and state must not be changed in place.
+    Derived quantities are computed once, on first use; parameters and state must not be changed in place.
 
     Attributes
     ----------
@@ -40,10 +40,10 @@ class OperatingPoint:
 
     @cached_property
     def scale(self) -> Vector:
-        """Return the vibration scale, a size for every state: the motion in which it alone stores one small energy.
+        """Return the vibration scale of every state: the amplitude at which it alone stores a small energy.
 
         The energy is 1e-4 of the mean strain energy per freedom of the loaded equilibrium (1e-6 J unloaded),
-        so that coordinates of all kinds weigh alike: x = sqrt(2 E / k), v = sqrt(2 E / m). One relative
+        so that all kinds of coordinates have equal weight: x = sqrt(2 E / k), v = sqrt(2 E / m). One relative
         tolerance thus refers to deflections of about a hundredth of the static ones.
         """
         library, at = self.library, self.at

@@ -6,17 +6,17 @@ import sys
 from ltcgear.generated.contract import GEOMETRY, PHYSICAL
 
 ANY = sys.float_info.max
-"""Bound of what may be any finite number."""
+"""Bound of parameters that may be any finite number."""
 POSITIVE = ("kg", "kg*m^2")
-"""Units of what must be positive."""
+"""Units of parameters that must be positive."""
 DIVISORS = (
     ".base_radius_1", ".base_radius_2", ".friction.speed", ".friction_speed", ".friction_load", ".breakdown_slip_speed",
 )  # fmt: skip
-"""Ends of names of what must be positive, since laws divide by it."""
+"""Suffixes of parameters that must be positive, since laws divide by them."""
 NOT_NEGATIVE = ("stiffness", "stiffness_single", "stiffness_double", "stiffness_mean", "damping", "friction_damping")
-"""Last parts of names of what must not be negative."""
+"""Last parts of the names of parameters that must not be negative."""
 SHARES = ("single_share",)
-"""Last parts of names of what lies between 0 and 1."""
+"""Last parts of the names of parameters between 0 and 1."""
 
 
 def bounds_of(name: str, unit: str) -> tuple[float, float]:
@@ -30,5 +30,5 @@ def bounds_of(name: str, unit: str) -> tuple[float, float]:
 
 
 def is_continuous(role: str) -> bool:
-    """Tell whether a parameter of a role can change by a little, so that it has a derivative that means something."""
+    """Return whether a parameter of a role is continuous, so that a derivative is meaningful."""
     return role in (PHYSICAL, GEOMETRY)

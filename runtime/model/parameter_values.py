@@ -16,11 +16,11 @@ Vector = NDArray[np.float64]
 Pairs = Sequence[tuple[float, float]]
 
 MOST_FAULTS = 8
-"""Faults that are told at once."""
+"""Most faults in one message."""
 DRIVING = ("N*s/m", "N*m*s/rad")
-"""Units of dampers, which may be negative in Python: they then drive, as in a study of what grows."""
+"""Units of dampers, which may be negative in Python, as in a study of growing motion."""
 SHOWN = 60
-"""Characters of a wrong value that are told."""
+"""Characters of a wrong value shown in a message."""
 
 
 def read_values(manifest: Manifest, values: Mapping[str, float]) -> Vector:
@@ -62,7 +62,7 @@ def read_tables(wanted: Iterable[str], tables: Mapping[str, Pairs]) -> dict[str,
 
 
 def tell(faults: Sequence[str], what: str) -> None:
-    """Raise a LtcgearError that tells the first of some faults, if there are any."""
+    """Raise a LtcgearError with the first of some faults, if any."""
     if faults:
         more = [f"and {len(faults) - MOST_FAULTS} more"] if len(faults) > MOST_FAULTS else []
         told = [*faults[:MOST_FAULTS], *more]

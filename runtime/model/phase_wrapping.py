@@ -69,7 +69,7 @@ class Clocks:
         return p
 
     def cycles(self, meshes: Sequence[str], turns: int) -> Whole:
-        """Return the whole cycles that some turns have taken off the phases of meshes; 0 for one that stands."""
+        """Return the whole cycles by which some turns reduce the phases of meshes; 0 for a mesh at rest."""
         found = (self.by_mesh.get(mesh) for mesh in meshes)
         return np.array([course.after(turns)[0] if course else 0 for course in found], dtype=np.int64)
 
@@ -83,7 +83,7 @@ class Clocks:
         x, s
             States, levels and signals, shapes (m, n) and (m, n_s).
         phi, turns
-            Reference angles [rad] less whole turns, None where those of the states lack them, and these, shapes (m,).
+            Reference angles [rad] less whole turns, None if those of the states lack them, and these, shapes (m,).
 
         Returns
         -------
@@ -131,6 +131,6 @@ def _advance(clock: Clock, number: dict[str, float]) -> Fraction:
 
 
 def rational(value: float) -> Fraction:
-    """Return the ratio of whole numbers that a number stands for; the number itself where there is none so close."""
+    """Return the ratio of whole numbers that a number approximates; the number itself if none is close enough."""
     near = Fraction(value).limit_denominator(LARGEST)
     return near if abs(near - Fraction(value)) <= NEAR * abs(value) else Fraction(value)

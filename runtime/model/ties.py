@@ -1,4 +1,4 @@
-"""Stable order by size: what rounding alone tells apart stands by name."""
+"""Stable order by size: values that differ by rounding only are sorted by name."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -12,14 +12,14 @@ TIE = 1e-9
 
 
 def order_by_size(sizes: ArrayLike, names: Sequence[str] | None = None) -> list[int]:
-    """Return the places of some sizes, largest first; ties stand by name, or by place where there are no names.
+    """Return the indices that sort some sizes, largest first; ties by name, or by index without names.
 
     Parameters
     ----------
     sizes
         Shape (n,); infinite ones come first, NaN last.
     names
-        Shape (n,). Numbers in them count as numbers: ``planet.2`` stands before ``planet.10``.
+        Shape (n,). Numbers in them count as numbers: ``planet.2`` comes before ``planet.10``.
     """
     values = np.nan_to_num(np.asarray(sizes, dtype=float), nan=-np.inf, posinf=np.inf, neginf=-np.inf)
     near = TIE * float(np.abs(values[np.isfinite(values)]).max(initial=0.0))
@@ -34,7 +34,7 @@ def order_by_size(sizes: ArrayLike, names: Sequence[str] | None = None) -> list[
 
 
 def largest_first(sizes: Mapping[str, float]) -> dict[str, float]:
-    """Return sizes by name, largest first; ties stand by name."""
+    """Return sizes by name, largest first; ties by name."""
     names = list(sizes)
     return {names[k]: sizes[names[k]] for k in order_by_size([sizes[name] for name in names], names)}
 

@@ -18,7 +18,7 @@ from .parameter_values import name_values
 Vector = NDArray[np.float64]
 
 THICKNESS = 0.5
-"""Deflection over base pitch beyond which there is no tooth left to bend (geometry)."""
+"""Deflection over base pitch that uses up the tooth thickness (geometry)."""
 STRAINED = 0.07 / (np.pi * np.cos(np.radians(20)))
 """Deflection over base pitch beyond which a run is warned about: 0.07 modules, the most that VDI 2736 part 2 allows
 teeth of plastic. Teeth of steel break before, at about 0.02 modules (derived): where root stress, 4 F / (b m), is

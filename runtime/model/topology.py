@@ -32,7 +32,7 @@ class Linkage:
 
 
 class Topology:
-    """A train as its manifest tells it.
+    """Topology of a train, from its manifest.
 
     Attributes
     ----------

@@ -186,7 +186,7 @@ def find_peaks(values: FloatArray, distance: int = 1) -> list[int]:
 
 @dataclass(frozen=True)
 class Sources:
-    """What turns and meshes, by name; what stands still explains nothing.
+    """Rotating members and meshes by name; those at rest explain no line.
 
     Attributes
     ----------
@@ -292,7 +292,7 @@ def _multiples(of: Mapping[str, float], highest: int | None, end_hz: float = 0.0
 
 
 def _told_apart(of: Mapping[str, float], close: float) -> dict[str, float]:
-    """Return the frequencies whose multiples a tolerance tells apart, however high the order."""
+    """Return the frequencies whose multiples a tolerance can distinguish at any order."""
     return {name: value for name, value in of.items() if close <= SHARP * value}
 
 

@@ -22,7 +22,7 @@ FORCES, STATISTICS = "forces", "statistics"
 
 
 def to_attributes(attributes: Mapping[str, Any] | None, summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a result tells about itself: versions, what is known of its scene, and its summary."""
+    """Return the attributes of a result: versions, data on its scene, and its summary."""
     told = {**_versions(), **(attributes or {}), **summary}
     if FORCES in told:
         told[STATISTICS] = told.pop(FORCES)

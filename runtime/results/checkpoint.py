@@ -1,4 +1,4 @@
-"""Checkpoint of a stopped run, and what it must share with the run that goes on."""
+"""Checkpoint of a stopped run, and what it must share with the run that resumes it."""
 
 import json
 import sys
@@ -20,14 +20,14 @@ from ..model.load_tables import Pairs
 from .checksums import digest_arrays
 
 Snapshot = dict[str, NDArray[np.generic]]
-"""Arrays from which an integration goes on."""
+"""Arrays from which an integration is resumed."""
 AGAIN = "--force in place of --resume begins anew"
 ROUNDED = 1e-13
 """Relative difference of parameters that is rounding: they follow from a scene's numbers by libraries."""
 DAMAGE = (OSError, ValueError, KeyError, EOFError, TypeError, NotImplementedError, MemoryError, BadZipFile, zlib.error)
 """What a damaged checkpoint raises."""
 SHOWN = 3
-"""Differences that a refusal tells."""
+"""Most differences listed in a refusal."""
 
 
 def checkpoint_of(target: Path) -> Path:
@@ -112,7 +112,7 @@ def tell_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> str:
 
 
 def _equal(name: str, one: object, two: object) -> bool:
-    """Tell whether two entries are equal; parameters, which another processor may round otherwise, but for rounding."""
+    """Return whether two entries are equal; parameters up to rounding, which may differ between processors."""
     if name.startswith("parameter ") and isinstance(one, float) and isinstance(two, float):
         return isclose(one, two, rel_tol=ROUNDED)
     return one == two

@@ -14,18 +14,18 @@ if TYPE_CHECKING:
     import xarray as xr
 
 SUMS = "attribute_sums"
-"""Attribute with the check sums of all others (CRC-32), as JSON; those of a variable are VARIABLE:ATTRIBUTE, and
-VARIABLE: is that of the texts that it holds, which NetCDF has no check sums for."""
+"""Attribute with the checksums of all others (CRC-32), as JSON; those of a variable are VARIABLE:ATTRIBUTE, and
+VARIABLE: is that of the texts that it holds, which NetCDF has no checksums for."""
 
 
 def list_sums(dataset: "FileContent | xr.Dataset") -> dict[str, str]:
-    """Return the attribute with the check sums of all others; what somebody adds to a file later has none."""
+    """Return the attribute with the checksums of all others; what somebody adds to a file later has none."""
     found = {name: _sum(value) for name, value in _list_attributes(dataset) if name != SUMS}
     return {SUMS: json.dumps(found)}
 
 
 def find_changed(dataset: "xr.Dataset") -> str:
-    """Return the first attribute that is not what was written; "" where all are, or none has a check sum."""
+    """Return the first attribute that is not what was written; "" where all are, or none has a checksum."""
     if SUMS not in dataset.attrs:
         return ""
     found = {name: _sum(value) for name, value in _list_attributes(dataset)}
@@ -46,7 +46,7 @@ def _list_attributes(dataset: "FileContent | xr.Dataset") -> Iterator[tuple[str,
 
 
 def _sum(value: Any) -> str:  # noqa: ANN401
-    """Return the check sum of an attribute, which NetCDF keeps as text or as a number."""
+    """Return the checksum of an attribute, which NetCDF keeps as text or as a number."""
     text = value if isinstance(value, str) else repr(np.asarray(value).tolist())
     return f"{zlib.crc32(text.encode('utf-8', 'surrogatepass')):08x}"
 

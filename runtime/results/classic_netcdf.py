@@ -16,7 +16,7 @@ from .file_content import FileContent
 
 MAGIC = b"CDF\x02"
 COUNT = slice(4, 8)
-"""Where the number of records stands."""
+"""Position of the number of records."""
 TYPES = {1: "i1", 2: "S1", 3: ">i2", 4: ">i4", 5: ">f4", 6: ">f8"}
 MOST = 100_000
 """Items that a list of a header may have: more is damage."""

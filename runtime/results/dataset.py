@@ -44,9 +44,9 @@ def make_content(library: Library, p: Vector, rows: Rows, statistics: Statistics
     Returns
     -------
     FileContent
-        One variable per quantity over (time, item), with units and long names; the reference's angle, the
-        integrator's steps and all states over time; the parameters; the members' places as attribute ``sheet``, and
-        what members and meshes are as ``train``.
+        One variable per quantity over (time, item), with units and long names; the reference's angle, the integrator's
+        steps and all states over time; the parameters; the members' positions in the drawing as attribute ``sheet``,
+        and what members and meshes are as ``train``.
     """
     manifest, columns = library.manifest, columns_of(library, rows)
     coordinates: dict[str, Any] = {"time": ("time", columns.pop("time"), {"units": "s", "long_name": "time"})}

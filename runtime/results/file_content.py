@@ -59,7 +59,7 @@ class FileContent:
         return xr.Dataset(parts, coordinates, self.attrs)
 
     def write(self, file: Any, along: str = "") -> None:  # noqa: ANN401
-        """Define and fill all variables of an open netCDF4 file; numbers get check sums where it is NetCDF4.
+        """Define and fill all variables of an open netCDF4 file; numbers get checksums where it is NetCDF4.
 
         ``along`` is the dimension without end, if there is one.
         """
@@ -85,7 +85,7 @@ class FileContent:
 
 
 def has_sum(values: NDArray[Any]) -> bool:
-    """Say whether a variable gets a check sum (Fletcher's), so that damage of it is seen when it is read."""
+    """Say whether a variable gets a checksum (Fletcher's), so that damage of it is seen when it is read."""
     return values.ndim > 0 and values.size > 0 and values.dtype.kind in "fiu"
 
 

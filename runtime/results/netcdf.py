@@ -1,8 +1,8 @@
 """NetCDF4 files: written and read so that HDF5 survives full disks and damage.
 
 Room is reserved before HDF5 writes, since it does not survive a disk that fills up. After its own end each file bears
-the check sum of all its bytes, which HDF5 leaves alone: damage is seen before the library follows it, perhaps without
-end. A file without check sum (older, or edited by other software) is first read by a process of its own.
+the checksum of all its bytes, which HDF5 leaves alone: damage is seen before the library follows it, perhaps without
+end. A file without checksum (older, or edited by other software) is first read by a separate process.
 """
 
 import os
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 OVERHEAD, EACH = 1.05, 8_192
-"""Room beyond the data: check sums and indices of chunks, and what each variable takes [bytes] (measured: 3300)."""
+"""Room beyond the data: checksums and indices of chunks, and what each variable takes [bytes] (measured: 3300)."""
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a NetCDF4 file."""
 MARK, DIGITS = b"\nltcgear crc32 ", 8
-"""What stands after a file's own end, and the digits of the check sum behind it."""
+"""Marker after a file's own end, and the digits of the checksum behind it."""
 READ_ALL = """
 import sys, netCDF4
 with netCDF4.Dataset(sys.argv[1]) as file:
@@ -38,7 +38,7 @@ with netCDF4.Dataset(sys.argv[1]) as file:
         data[...]
 """
 PATIENCE, SPEED = 20.0, 20e6
-"""How long a file may take to be read [s], and beside that its size over a speed [bytes/s]."""
+"""Time limit for reading a file [s], to which its size over a speed [bytes/s] is added."""
 
 
 def save(dataset: "xr.Dataset", path: Path, retry: str = "run the same command again") -> None:
@@ -47,11 +47,11 @@ def save(dataset: "xr.Dataset", path: Path, retry: str = "run the same command a
     Parameters
     ----------
     dataset
-        What is written; variables with numbers and attributes get check sums.
+        What is written; variables with numbers and attributes get checksums.
     path
         The file.
     retry
-        What goes on after room was made on a full disk.
+        What continues once a full disk has room.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def save(dataset: "xr.Dataset", path: Path, retry: str = "run the same command a
 
 
 def sign(draft: Path) -> None:
-    """Append the check sum of all bytes of a file that HDF5 has closed.
+    """Append the checksum of all bytes of a file that HDF5 has closed.
 
     Raises
     ------
@@ -95,7 +95,7 @@ def open_file(path: Path, decode: bool = True) -> "xr.Dataset":
     OSError
         If it is damaged.
     Exception
-        Whatever the libraries raise where it is no such file.
+        Any error of the libraries for an invalid file.
     """
     import xarray as xr
 
@@ -119,7 +119,7 @@ def _check_whole(path: Path) -> None:
 
 
 def _sum_up(path: Path, size: int) -> bytes:
-    """Return the check sum (CRC-32) of a file's first bytes."""
+    """Return the checksum (CRC-32) of a file's first bytes."""
     found = 0
     with path.open("rb") as file:
         while size > 0 and (block := file.read(min(size, 1 << 20))):
@@ -128,7 +128,7 @@ def _sum_up(path: Path, size: int) -> bytes:
 
 
 def _read_apart(path: Path) -> None:
-    """Read a file in a process of its own, and refuse it where that dies or does not end."""
+    """Read a file in a separate process, and refuse it where that dies or does not end."""
     try:
         done = subprocess.run(
             [sys.executable, "-P", "-c", READ_ALL, str(path)],
@@ -190,7 +190,7 @@ def fill(draft: Path, dataset: "xr.Dataset") -> None:
 
 
 def _length(attributes: Mapping[Any, Any], values: Any) -> int:  # noqa: ANN401
-    """Return the bytes of all texts among attributes and values; each has a head of its own."""
+    """Return the bytes of all texts among attributes and values; each has its own header."""
     texts = [str(value).encode("utf-8", "replace") for value in attributes.values()]
     if values.dtype.kind in "OSU":
         texts += [str(value).encode("utf-8", "replace") for value in values.ravel()]

@@ -141,7 +141,7 @@ class Result:
     def statistics(self) -> dict[str, dict[str, float]]:
         """Mean, RMS, standard deviation and extremes of all outputs along the motion, by QUANTITY:ITEM.
 
-        They are those of the second half of the run (see ``averages``), in the outputs' units; none where it did not
+        They are those of the second half of the run (see ``averages``), in the outputs' units; none if it did not
         reach its end.
         """
         if "statistics" not in self.dataset:

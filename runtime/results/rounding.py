@@ -1,6 +1,6 @@
 """Rounding: what of a result is only rounding, or the integrator's tolerance.
 
-Two rules say so, for a command to tell 0 where there is 0:
+Two rules decide, so that commands report 0 for 0:
 
 - A train is *unstrained* where neither its loaded equilibrium nor any mesh at any time stores `LOADED`: to such trains
   the integrator's tolerance refers as to vibrations of 1e-6 J (``operating_point``), and what it leaves is far
@@ -95,7 +95,7 @@ def find_floors(dataset: xr.Dataset) -> dict[str, float]:
 def is_unstrained(dataset: xr.Dataset) -> bool:
     """Say whether a train is nowhere and never strained, so that its forces are rounding.
 
-    A result that holds neither the equilibrium's strain energy nor forces and deflections of its meshes tells nothing.
+    A result without the equilibrium's strain energy and without forces and deflections of its meshes decides nothing.
     """
     static = dataset.attrs.get("static_strain_j")
     if static is None or not float(static) < LOADED or not {"mesh_force", "mesh_deflection"} <= set(dataset):

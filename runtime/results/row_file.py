@@ -1,11 +1,11 @@
 """Row file of a run under way: its samples on disk, readable at every moment; sealed, they are the result.
 
-While a run goes on its rows are appended to ``NAME.part.nc``, classic NetCDF (see ``classic_netcdf``): a
-heading that is written once, then one record a row. How many records there are is written after them, so that a killed
-run leaves a whole file; HDF5 would be broken where it is killed while it writes. The heading bears an identity that no
-other part has and its check sum; a running check sum over the rows tells whether they are those that were written. At
-the end rows are copied to NetCDF4, not compressed: the last digits of an integration are noise, so a fifth of the room
-is all that packing would save, for more time than the run itself takes.
+During a run its rows are appended to ``NAME.part.nc``, classic NetCDF (see ``classic_netcdf``): a heading that is
+written once, then one record a row. How many records there are is written after them, so that a killed run leaves a
+whole file; HDF5 would be broken where it is killed while it writes. The header has an identity that no other part has
+and its checksum; a running checksum over the rows shows whether they are as written. At the end rows are copied to
+NetCDF4, not compressed: the last digits of an integration are noise, so a fifth of the room is all that packing would
+save, for more time than the run itself takes.
 """
 
 import os
@@ -27,9 +27,9 @@ from .file_content import FileContent, StoredVariable
 from .netcdf import begin, sign
 
 BLOCK = 1024
-"""Rows that are copied at once."""
+"""Rows copied in one block."""
 IDENTITY, NO_SUM = "identity", "0" * 8
-"""Attribute with a name that no other part has and the check sum of the heading, and what stands for that meanwhile."""
+"""Attribute with a name that no other part has and the checksum of the heading, and what stands for that meanwhile."""
 BEGIN_ANEW = "to begin anew, delete it or give --force"
 
 
@@ -45,9 +45,9 @@ class Part:
     Attributes
     ----------
     identity
-        A name that no other part has, and the check sum of the heading.
+        A name that no other part has, and the checksum of the heading.
     rows, sum
-        How many rows there are, and their check sum (CRC-32).
+        How many rows there are, and their checksum (CRC-32).
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class Part:
     """
 
     goes_on = "--resume goes on"
-    """How one goes on where room was made."""
+    """Advice on how to resume once there is room."""
 
     def __init__(self, target: Path, heading: FileContent, kept: int | None = None, along: str = "time") -> None:
         self.target, self.path, self.along = target, part_of(target), along
@@ -129,7 +129,7 @@ class Part:
         self._count(self.rows)
 
     def _sign(self, records: NDArray[np.void]) -> None:
-        """Put into rows what they tell of themselves."""
+        """Set the attributes of the rows."""
 
     def sync(self) -> None:
         """Wait until all rows are on the disk, where a power cut leaves them."""
@@ -182,7 +182,7 @@ class Part:
             sign(draft)
 
     def _copy(self, heading: Mapping[str, StoredVariable], result: Any) -> int:  # noqa: ANN401
-        """Copy all rows, block by block; return their check sum."""
+        """Copy all rows, block by block; return their checksum."""
         copies = {}
         result.set_fill_off()
         for name in self.record.names or ():
@@ -204,7 +204,7 @@ class Part:
         return found
 
     def blocks(self) -> Iterator[NDArray[np.void]]:
-        """Yield the rows, as many as are copied at once."""
+        """Yield the rows, in blocks."""
         for first in range(0, self.rows, BLOCK):
             place, count = self.begin + first * self.record.itemsize, min(BLOCK, self.rows - first)
             data = os.pread(self.file, count * self.record.itemsize, place)

@@ -25,7 +25,7 @@ class Rows:
     steps: Vector
 
     def __getitem__(self, part: slice) -> "Rows":
-        """Return some of the rows, in memory of their own."""
+        """Return a copy of some of the rows."""
         return Rows(**{name: value[part].copy() for name, value in vars(self).items()})
 
 

@@ -16,7 +16,7 @@ def split_output(output: str) -> tuple[str, str]:
 
 
 def find_columns(dataset: "xr.Dataset", wanted: list[str], option: str = "--output ") -> dict[str, list[str] | None]:
-    """Return quantity -> items that are wanted of it; None where it is wanted as a whole, or has no items.
+    """Return quantity -> items that are wanted of it; None if it is wanted as a whole, or has no items.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def find_columns(dataset: "xr.Dataset", wanted: list[str], option: str = "--outp
     wanted
         QUANTITY or QUANTITY:ITEM each.
     option
-        What stands before an output that is refused, as the user gave it.
+        Prefix of a refused output, as the user gave it.
 
     Raises
     ------

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 Signal = NDArray[np.float64] | NDArray[np.complex128]
 STILL = 1e-6
-"""Vibration over the mean below which a force stands still."""
+"""Vibration over the mean below which a force counts as constant."""
 
 
 def compare_signals(coarse: Signal, fine: Signal) -> dict[str, float | None]:
@@ -15,7 +15,7 @@ def compare_signals(coarse: Signal, fine: Signal) -> dict[str, float | None]:
     -------
     dict
         Root mean square and peak of the difference over the finer signal's vibration (its standard deviation) and over
-        its mean's magnitude; None where there is nothing to refer to.
+        its mean's magnitude; None if there is nothing to refer to.
     """
     difference = np.abs(coarse - fine)
     mean, vibration = float(np.abs(fine.mean())), float(fine.std())

@@ -1,4 +1,4 @@
-"""Tables: small immutable results that print in a terminal, stand in pages and convert to JSON, CSV and Markdown."""
+"""Tables: small immutable results for terminals, pages, JSON, CSV and Markdown."""
 
 from __future__ import annotations
 

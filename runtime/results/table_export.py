@@ -26,7 +26,7 @@ def export(result: Result, path: str | Path, wanted: list[str] | None = None) ->
         What to write.
     path
         The suffix is the form: ``.csv`` has one column an item, its head ``QUANTITY:ITEM [unit]``; ``.mat`` (MATLAB 5)
-        one matrix a quantity over (time, item), and beside it the items' names and units in structs ``items`` and
+        one matrix a quantity over (time, item), with the items' names and units in structs ``items`` and
         ``units``.
     wanted
         QUANTITY or QUANTITY:ITEM; all where left out, but for the states.

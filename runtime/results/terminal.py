@@ -31,12 +31,12 @@ class Terminal(Console):
 
 
 def plain(text: str) -> str:
-    """Return a text of a scene or a file as it may stand within markup: on one line, and no markup itself."""
+    """Return a text of a scene or a file escaped for markup, on one line."""
     return escape(write_out(text))
 
 
 def paragraph(text: str) -> str:
-    """Return a message of ltcgear's own as it may stand within markup: its line ends stay."""
+    """Return a message of ltcgear's own escaped for markup; its line ends are kept."""
     return escape(write_out(text, keep="\n"))
 
 

@@ -1,4 +1,4 @@
-"""Train of a result, as its attribute ``train`` tells it."""
+"""Train of a result, from its attribute ``train``."""
 
 import json
 from dataclasses import asdict
@@ -44,9 +44,9 @@ def group_of(name: str) -> str:
 
 @lru_cache(maxsize=32)
 def _by_names(names: tuple[str, ...]) -> Train:
-    """Return the train that names of items tell: ``stage.part``, ``stage.planet.1``, ``stage.kind.1``, ``stage.mesh``.
+    """Return the train given by names of items:  ``stage.part``, ``stage.planet.1``, ``stage.kind.1``, ``stage.mesh``.
 
-    Files written before the attribute was, and data that ltcgear did not write, tell no more.
+    For older files, and data that ltcgear did not write, this is all that is known.
     """
     members, joints = {}, {}
     for name in names:

@@ -1,10 +1,10 @@
 """Averages along the motion: mean, root mean square and extremes of all outputs.
 
-Means of samples hang on the sampling rate: where it is a whole multiple of the mesh frequency, all samples fall on the
-same few phases of a tooth pitch. Integrals along the motion do not. The second half of a run counts, under weights that
-rise from zero and fall to zero, w = sin(pi s)^4 over it: so parts of a period at its ends do not count, and the mean of
-a motion of any periods comes close to that over all time, the faster the smoother the weights are (weighted Birkhoff
-averages: Das, Saiki, Sander and Yorke 2017, Nonlinearity 30:4111).
+Means of samples depend on the sampling rate: where it is a whole multiple of the mesh frequency, all samples fall on
+the same few phases of a tooth pitch. Integrals along the motion do not. They cover the second half of a run with the
+smooth window w = sin(pi s)^4, so that incomplete periods at its ends do not bias the mean: for motion with any periods
+it converges to the mean over all time, faster the smoother the window (weighted Birkhoff averages: Das, Saiki, Sander
+and Yorke 2017, Nonlinearity 30:4111).
 """
 
 import numpy as np
@@ -22,9 +22,9 @@ class Averages:
     Parameters
     ----------
     span
-        First and last instant that count [s].
+        First and last instant of the average [s].
     start
-        Outputs at time zero, from which values are counted, lest squares lose their digits; shape (n_y,).
+        Outputs at time zero, subtracted from all values so that squares keep their digits; shape (n_y,).
     """
 
     def __init__(self, span: tuple[float, float], start: Vector) -> None:

@@ -1,7 +1,7 @@
-"""Choice of the integrator: explicit steps bound by stability, or implicit ones bound by accuracy.
+"""Choice of the integrator: explicit, with steps limited by stability, or implicit, with steps limited by accuracy.
 
-The linearised model tells both. Its eigenvalues bound an explicit step; the part of its modes in what the jumps
-of stiffness, errors of teeth and loads set going says how long a step may be for accuracy.
+The linearised model gives both limits. Its eigenvalues limit an explicit step; the excitation of its modes by jumps of
+stiffness, errors of teeth and loads limits a step for accuracy.
 """
 
 from dataclasses import dataclass
@@ -25,11 +25,11 @@ UNCHANGED = Changes(np.zeros(0), np.zeros(0))
 GROWTH = np.polynomial.Polynomial([1, 1, 1 / 2, 1 / 6, 1 / 24, 1 / 120, 0.001432211324807348])
 """Growth of a mode in a step, over h lambda, by the explicit 5(4) pair (Tsitouras 2011)."""
 REACH = np.linspace(0.5, 3.7, 321)
-"""|h lambda| at which growth is looked at: it passes 1 between 1.0 without damping and 3.5 without oscillation."""
+"""|h lambda| at which growth is evaluated: it passes 1 between 1.0 without damping and 3.5 without oscillation."""
 UNSEEN = 1e-4
-"""Growth in a step that the error control sees to, long before it matters."""
+"""Growth in a step that the error control corrects long before it matters."""
 PER_STEP = 6
-"""Right-hand sides a step of the explicit pair."""
+"""Right-hand sides per step of the explicit pair."""
 STAGES = 8
 """Stages of the Rosenbrock method."""
 SPARSE = 1.25
@@ -41,22 +41,22 @@ PER_SEGMENT = 4.5
 ERROR = 1e-3
 """Error of a step of both methods: ERROR a (h omega)^5 for a mode of amplitude a (fitted to the rig's steps)."""
 REST = 1.2
-"""h omega at which a mode that is still within the tolerance counts as being at rest: an L-stable step damps it."""
+"""h omega at which a mode with an amplitude within the tolerance counts as at rest: an L-stable step damps it."""
 GAIN = 1.2
-"""How much cheaper the stiff method must be to be taken: it takes longer to compile."""
+"""How much cheaper the stiff method must be to be chosen: it takes longer to compile."""
 IDLE = 1e9
 """Operations a second of a model at rest, about a second, above which the stiff method is worth its compilation."""
 GONE = 1e4
-"""Exponent by which a mode dies away between two pushes, from which on it is never followed."""
+"""Decay exponent of a mode between two excitations above which it is never resolved."""
 RIGID = 1e-6
 """Modes below this part of the largest eigenvalue are rigid."""
 TIMES = np.linspace(0.0, 1.0, 65) ** 4
-"""Times between two switchings at which steps are reckoned, more of them after the jump."""
+"""Times between two switchings at which steps are estimated, denser after the jump."""
 
 
 @dataclass(frozen=True)
 class Choice:
-    """A method and why it is taken; None where the user chose."""
+    """A method and why it is taken; None if the user chose."""
 
     method: str
     why: str | None
@@ -64,9 +64,9 @@ class Choice:
 
 @dataclass(frozen=True)
 class Pace:
-    """What a run takes a second: steps and segments of both kinds of methods, means over the duty.
+    """Cost rate of a run: steps and segments per second for both kinds of methods, means over the duty cycle.
 
-    ``fastest`` is the largest eigenvalue [1/s] and ``stable`` the explicit steps that stability calls for [1/s].
+    ``fastest`` is the largest eigenvalue [1/s] and ``stable`` the explicit steps needed for stability [1/s].
     """
 
     explicit: float
@@ -141,10 +141,10 @@ def step_operations(library: Library) -> tuple[float, float]:
 
 
 def excited_rates(point: OperatingPoint, rtol: float, changes: Changes = UNCHANGED) -> tuple[Complex, Vector]:
-    """Return the eigenvalues [1/s], and steps a second that accuracy calls for at TIMES between two switchings.
+    """Return the eigenvalues [1/s], and the steps per second needed for accuracy at TIMES between two switchings.
 
-    A jump leaves each mode with an amplitude that dies away until the next one. What varies without jumps feeds its
-    modes all the time.
+    A jump excites each mode, which then decays until the next one. What varies without jumps excites modes all the
+    time.
     """
     values, amplitude, shapes = excited_modes(point, changes)
     decay = _decay(point, values)
@@ -159,12 +159,12 @@ def excited_rates(point: OperatingPoint, rtol: float, changes: Changes = UNCHANG
 
 
 def excited_modes(point: OperatingPoint, changes: Changes = UNCHANGED) -> tuple[Complex, Vector, Vector]:
-    """Return how far the modes are set going by jumps of stiffness, errors of teeth and loads.
+    """Return the amplitudes of modes excited by jumps of stiffness, errors of teeth and loads.
 
     Parameters
     ----------
     point
-        Where the modes are taken.
+        Operating point of the modes.
     changes
         Of load signals over time.
 
@@ -172,7 +172,7 @@ def excited_modes(point: OperatingPoint, changes: Changes = UNCHANGED) -> tuple[
     -------
     values, amplitude, shapes
         Eigenvalues of all modes that are not rigid [1/s], shape (m,), their amplitudes in scaled coordinates after many
-        pushes, shape (m,), and the magnitudes of their shapes, shape (n, m).
+        excitations, shape (m,), and the magnitudes of their shapes, shape (n, m).
     """
     values, shapes = point.stiffest_spectrum
     jumps, swings = _pushes(point), _swings(point, changes)
@@ -186,7 +186,7 @@ def excited_modes(point: OperatingPoint, changes: Changes = UNCHANGED) -> tuple[
 
 
 def _decay(point: OperatingPoint, values: Complex) -> Vector:
-    """Return the exponent by which each mode dies away between two switchings [1]."""
+    """Return the exponent by which each mode decays between two switchings [1]."""
     return np.asarray(np.maximum(-values.real, 0.0) * (_between(point) if len(point.at.levels) else 0.0))
 
 

@@ -1,8 +1,8 @@
-"""Contact events: which side of every border between regimes holds.
+"""Contact events: the state of every contact, held within a smooth segment.
 
-A border is a zero of one of the generated indicators g (teeth that come to push, a race that is reached). While an arc
-is integrated its sides are held, so that nothing bends within it; the first border that it crosses ends it, which
-``model/c/regimes.c`` sees to.
+A contact opens or closes at a zero of its generated indicator g (teeth touch, a bearing closes its clearance). While a
+segment is integrated the signs of all indicators are held, so that the motion in it is smooth; the first zero crossing
+ends it (``model/c/regimes.c``).
 """
 
 import numpy as np
@@ -17,11 +17,11 @@ from .smooth_arc import Frame
 Vector = NDArray[np.float64]
 Sides = NDArray[np.bool_]
 SLACK = 0.1
-"""How far beyond a border counts as on it, over what the tolerance lets the indicator be off."""
+"""Distance beyond an event that still counts as on it, over the error of the indicator that the tolerance allows."""
 
 
 class Regimes:
-    """The sides of all borders of a run.
+    """The states of all contacts of a run.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Regimes:
     s
         Levels and signals at the start.
     known
-        Index of a state that is known without error, None where there is none.
+        Index of a state known without error, or None.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Regimes:
     index
         Where the holds are in p, shape (n_g,).
     error, slack
-        What the tolerance of each state lets an indicator be off, shape (n, n_g), and the most of it, shape (n_g,).
+        Error of each indicator allowed by the tolerance of each state, shape (n, n_g), and the largest, shape (n_g,).
     """
 
     def __init__(

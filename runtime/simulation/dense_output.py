@@ -11,7 +11,7 @@ Vector = NDArray[np.float64]
 
 
 class Nodes(Protocol):
-    """Points in a segment's own time 0..1, the first 0 and the last 1."""
+    """Nodes in a segment's normalised time, the first 0 and the last 1."""
 
     @property
     def points(self) -> Vector:
@@ -60,7 +60,7 @@ class Chebyshev:
 
 @dataclass(frozen=True)
 class Uniform:
-    """Equal steps; samples fall on the points, so nothing is interpolated."""
+    """Equally spaced nodes that are the samples, so nothing is interpolated."""
 
     count: int
 

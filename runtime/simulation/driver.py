@@ -1,7 +1,7 @@
 """Driver of an integration: segments of smooth motion between switching instants.
 
-The segments themselves are in C (``model/c/march.c``); here they are set going, and led from knot to knot of the loads
-and from turn to turn of the reference.
+Segments are integrated in C (``model/c/march.c``); this module starts them, and stops at the knots of load tables and
+after whole turns of the reference.
 """
 
 from dataclasses import asdict, replace
@@ -35,50 +35,49 @@ from .trajectory import Counts
 
 Vector = NDArray[np.float64]
 MOST_TURNS = 16
-"""Turns of the reference in a block of samples, at whose end whole turns are taken off its angle."""
+"""Turns of the reference in a block of samples, after which whole turns are subtracted from its angle."""
 WIDEST = 1000.0
-"""Angle [rad] by which the fastest mode turns between two nodes (explicit methods) at most where nothing switches."""
+"""Largest phase angle [rad] of the fastest mode between two nodes (explicit methods) without switching."""
 FINEST = 1e-9
-"""What nodes may miss at least, whatever the tolerance: the fastest mode between them is resolved that well."""
+"""Interpolation error allowed between nodes, whatever the tolerance: how well they resolve the fastest mode."""
 SHORTEST = 1 / 64
-"""By how much a segment may be shorter than that, where stiffness or loads vary faster than any mode swings."""
+"""Factor by which a segment may be shorter, where stiffness or loads vary faster than any mode."""
 LONGEST = 4096
-"""By how much a segment may outgrow the one that resolves the fastest mode: found again in 12 halvings."""
+"""Factor by which a segment may be longer than one that resolves the fastest mode: 12 halvings undo it."""
 BLOCK = 256
-"""Samples in a block where nothing switches or bends."""
+"""Samples in a block without switchings or contact events."""
 APART, MOST_FINER = 1.2, 64
-"""Nodes of such a block a turn of the fastest mode, at least, where points are taken; most nodes to a sample."""
+"""Least nodes of such a block per period of the fastest mode where points are taken; most nodes per sample."""
 WEIGHTS = 80 * np.pi
-"""Angle [rad] that points resolve over a whole run at least: ten times that of the weights sin(pi s)^4 of its half."""
+"""Phase angle [rad] that points resolve over a run at least: ten times that of the window sin(pi s)^4 of its half."""
 POINT_ROOM = 4096
-"""Points that wait to be taken; no segment adds more than half of them."""
+"""Capacity of the buffer of points; no segment adds more than half of it."""
 CAPACITY = 2048
-"""Samples that wait to be taken; no segment holds more than half of them."""
+"""Capacity of the buffer of samples; no segment holds more than half of it."""
 
 
 class March:
-    """An integration under way.
+    """An integration in progress.
 
     Parameters
     ----------
     point
-        The model where the motion begins.
+        The operating point where the motion starts.
     settings
         Method, tolerance, time and sampling rate.
     signals
         The load signals.
     dense
-        Whether all arcs shall have nodes between which their path can be read, even where nothing switches or bends.
+        Whether all segments have nodes for interpolation, even without switchings or contact events.
     passing
-        Take points of the motion too (``model/c/points.c``), at which it and what varies so fast [rad/s] are resolved;
-        None takes none.
+        Frequency [rad/s] that points of the motion resolve (``model/c/points.c``); None takes no points.
 
     Attributes
     ----------
     native
-        What the C knows, see ``native.FIELDS``.
+        The structure shared with the C.
     turns
-        Whole turns that were taken off the reference angle.
+        Whole turns subtracted from the reference angle.
     extremes
         Smallest and largest mesh forces.
 
@@ -129,12 +128,12 @@ class March:
         return replace(point, p=self.clocks.parameters(self.turns), at=replace(point.at, x=x))
 
     def _lay_out(self, method: Method, samples: int, rate: float, dense: bool, passing: float | None) -> None:
-        """Choose nodes and longest segment [s]: blocks of samples where nothing switches or bends, else Chebyshev.
+        """Choose nodes and longest segment [s]: blocks of samples without switchings or contact events, else Chebyshev.
 
-        A segment in which the fastest mode turns by 8 rad between 17 nodes, or 16 rad between 25, is resolved to
-        1e-9 whatever swings. Segments begin with that length, grow where the fastest modes are at rest, and shrink
-        where stiffness or loads vary faster. Blocks are equally long; explicit methods get nodes between samples that
-        lie far apart, lest they run out of steps, and so do all whose points are taken, which nodes are there.
+        17 nodes over 8 rad of the fastest mode, or 25 over 16 rad, resolve any mode to 1e-9. Segments start with that
+        length, grow where the fastest modes are at rest, and shrink where stiffness or loads vary faster. Blocks have
+        equal length; nodes are added between samples that are far apart, for explicit methods, which would exceed
+        their number of steps, and where points are taken, which are at the nodes.
         """
         state, share, manifest = self.state, self.native.share, self.library.manifest
         quickest = self.point.fastest
@@ -162,7 +161,7 @@ class March:
         self._set_points(quickest, None if passing is None else max(passing, WEIGHTS * rate / samples))
 
     def _set_points(self, quickest: float, passing: float | None) -> None:
-        """Set the points of arcs: what they shall resolve [rad/s], the weights of statistics too; the rules that do."""
+        """Choose points of segments: the frequency that they resolve [rad/s], the window of statistics, the rules."""
         state, share, rules = self.state, self.native.share, lobatto_rules()
         if passing is not None:
             state.turning, state.passing, state.most_points = quickest, passing, MOST
@@ -184,7 +183,7 @@ class March:
         share("heading", np.zeros(len(self.cells)))
 
     def _set_regimes(self, start: Vector, known: int | None) -> None:
-        """Set the sides of the borders at the start."""
+        """Set the states of the contacts at the start."""
         share, s = self.native.share, np.concatenate([levels_of(self.cells), start])
         self.regimes = Regimes(self.library, self.p, self.frame, self.rtol, s, known)
         self.regimes.sides = share("sides", self.regimes.sides)
@@ -195,7 +194,7 @@ class March:
         self.state.held_value = HELD
 
     def _set_room(self, samples: int, rate: float) -> None:
-        """Give the C its sizes and room to work in."""
+        """Set the C's sizes and work arrays."""
         state, share, manifest = self.state, self.native.share, self.library.manifest
         n, meshes, holds, nodes = len(self.z), len(manifest.levels), len(manifest.holds), len(self.nodes.points)
         forces = [i for i, report in enumerate(manifest.reports) if report.quantity == "mesh_force"]
@@ -245,13 +244,13 @@ class March:
         return Counts(**{name: getattr(self.state, name) for name in asdict(Counts())})
 
     def snapshot(self) -> Snapshot:
-        """Return all that the march needs to go on as if it had not stopped."""
+        """Return a snapshot from which the integration can be resumed exactly."""
         kept = {name: self.native.value(name) for name in NAMES["kept"]}
         last = 0.0 if self.stepper is None else self.stepper.last
         return kept | {"turns": np.array(self.turns), "stepper.last": np.array(last)}
 
     def restore(self, kept: Snapshot) -> None:
-        """Go on from a snapshot."""
+        """Resume from a snapshot."""
         for name in NAMES["kept"]:
             self.native.assign(name, kept[name])
         self.turns = int(kept["turns"])
@@ -279,12 +278,12 @@ class March:
         return float(balance[0] + balance[1] + balance[2])
 
     def proceed(self, seconds: float = np.inf, segments: int = 1 << 40) -> None:
-        """March on until the samples are complete or fill their room, the leg is over, or so much is done.
+        """Integrate until the samples are complete or fill their buffer, the leg ends, or the time slice is used up.
 
         Raises
         ------
         RuntimeError
-            If the motion cannot be followed; the state is that of the last segment that could.
+            If a segment cannot be integrated; the state is that at the end of the last one that could.
         """
         self._begin_leg()
         fault = self.native.march(segments, seconds)
@@ -306,7 +305,7 @@ class March:
         return explain(library, p, frame, x, s)
 
     def _begin_leg(self) -> None:
-        """Take whole turns off, and tell the C how the load signals run up to their next knot."""
+        """Subtract whole turns, and give the C the load signals up to their next knot."""
         self._rebase()
         arrays, state = self.native.arrays, self.state
         state.base, state.knot = self.signals.last_knot(state.time), self.signals.next_knot(state.time)
@@ -328,7 +327,7 @@ class March:
             self.broken = error
 
     def _rebase(self) -> None:
-        """Take whole turns off the reference angle, and whole periods off all that follows it."""
+        """Subtract whole turns from the reference angle, and whole periods from the phases that follow it."""
         angle, scale = self.angle, self.frame.scale
         more = 0 if angle < 0 else self.clocks.turns_in(float(self.frame.origin[angle] + scale[angle] * self.z[angle]))
         if not more:
@@ -343,7 +342,7 @@ class March:
         self.turns = turns
 
     def expected_events(self) -> int:
-        """Return the switchings that kinematics calls for: borders between the phases where the train turned back."""
+        """Return the number of switchings by kinematics, between the phases where the train turned back."""
         now = self.phases(self.z, self.signals.at(self.time))
         free = self.state.free >= 0
         return int(self.state.expected) + expected_switchings(now, self.cells, self.native.arrays["last_turn"], free)

@@ -1,6 +1,6 @@
 """Duty cycle of a run: time at each speed and changes of load, before it is integrated.
 
-Friction is steepest at rest and teeth come and go with the speed, so what steps a run takes is a mean over its speeds.
+Friction is steepest at rest and switching is proportional to speed, so the number of steps is a mean over the speeds.
 """
 
 from collections.abc import Mapping
@@ -17,11 +17,11 @@ from .run_settings import RunSettings
 
 Vector = NDArray[np.float64]
 INSTANTS = 512
-"""Instants of a run at which its speed is looked at; more of them where it passes through rest."""
+"""Instants of a run at which its speed is sampled, denser where it passes through rest."""
 HALVINGS = 40
-"""How often the time from a knot is halved for these: down to 1e-12 of the run."""
+"""Halvings of the time from a knot for these instants: down to 1e-12 of the run."""
 EDGES = np.array([1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.6])
-"""Speeds over the highest between which a run counts as being at one speed."""
+"""Ranges of speed, over the highest, that count as one speed."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Changes:
 
 @dataclass(frozen=True)
 class DutyPart:
-    """A share of a run's time in which its speed is about the same: where it is then, and the changes of its loads."""
+    """A share of a run's time at about one speed: its operating point, and the changes of its loads."""
 
     share: float
     point: OperatingPoint
@@ -70,7 +70,7 @@ def list_duty(point: OperatingPoint, settings: RunSettings) -> list[DutyPart]:
 
 
 def _instants(signals: Signals, t_end: float) -> tuple[Vector, Vector]:
-    """Return instants of a run [s], dense where a table bends or passes through zero, and their shares of its time."""
+    """Return instants of a run [s], dense at knots and zeros of tables, and their shares of its time."""
     near = t_end * 0.5 ** np.arange(1, HALVINGS + 1)
     inner = [0.0, *(knot for knot in signals.knots[:INSTANTS] if 0 < knot < t_end)]
     beside = np.concatenate([np.add.outer(inner, near).ravel(), np.subtract.outer(inner, near).ravel()])

@@ -6,11 +6,11 @@ from .trajectory import Outcome
 
 
 def energy_residual(point: OperatingPoint, path: Outcome) -> float:
-    """Return what is missing in the energy balance, over the strain energy of the start.
+    """Return the error of the energy balance, over the strain energy at the start.
 
-    Energy at the end less energy at the start, less work of loads, drives and dampers, less what the
-    stiffness jumps put in; zero for an exact solution. Where there is less strain energy than `UNLOADED` a freedom
-    (the size of vibrations that tolerances then refer to), it is taken over that, or over all work.
+    Energy at the end less energy at the start, less work of loads, drives and dampers, less the energy
+    added by stiffness jumps; zero for an exact solution. With less strain energy than `UNLOADED` per degree of freedom
+    (to which tolerances then refer), it is relative to that, or to all work.
     """
     missing = path.energy[1] - path.energy[0] - path.work - path.jump_energy
     freedoms = len(point.library.index(""))

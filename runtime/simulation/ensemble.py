@@ -1,7 +1,7 @@
 """Ensemble: many parameter sets through one compiled model, over all cores of one process.
 
-Threads share the compiled C, which needs no interpreter. Only the calling thread uses CasADi: it sets runs up and
-concludes them, while others follow motions.
+Threads share the compiled C, which does not need the interpreter. Only the calling thread uses CasADi: it sets runs up
+and concludes them, while other threads integrate.
 """
 
 import math
@@ -33,9 +33,9 @@ from .trajectory import Counts
 Vector = NDArray[np.float64]
 Told = Callable[[float], None]
 AHEAD = 2
-"""Runs that are set up before their results are asked for, per worker."""
+"""Runs set up in advance, per worker."""
 LOOK = 0.1
-"""Seconds between two looks at how far the runs are."""
+"""Seconds between two reports of progress."""
 
 
 def simulate_many(
@@ -49,8 +49,8 @@ def simulate_many(
 ) -> Iterator[Result]:
     """Simulate a model with many parameter sets; each result is to the last bit that of ``simulate``.
 
-    Results come in the order of the sets, as they are asked for; a few runs go ahead. With ``erk`` (which ``auto`` may
-    choose) they go on side by side, with other methods one after the other. Ctrl-C stops all of them, and is raised.
+    Results come in the order of the sets, on demand; a few runs are computed in advance. With ``erk`` (which ``auto``
+    may choose) runs are parallel, with other methods one after the other. Ctrl-C stops all of them, and is raised.
 
     Parameters that are not listed are those of ``simulate``.
 
@@ -61,13 +61,13 @@ def simulate_many(
     told
         Called, in the calling thread, with the time simulated so far, of all runs together [s].
     workers
-        How many runs go on side by side; by default as many as there are cores.
+        Number of parallel runs; by default the number of cores.
 
     Yields
     ------
     Result
-        A run that failed has its reason in ``summary["status"]``, and what was computed until then; one that could not
-        begin has no samples. The others go on.
+        A failed run has the reason in ``summary["status"]``, and the samples computed until then, if any. The others
+        go on.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def simulate_many(
 
 
 def _count_workers(workers: int | None) -> int:
-    """Return how many runs go on side by side."""
+    """Return the number of parallel runs."""
     if workers is None:
         return len(os.sched_getaffinity(0))
     if workers < 1:
@@ -101,13 +101,13 @@ def _check_sets(library: Library, sets: Sequence[Mapping[str, float]]) -> None:
 
 
 class _StoppedError(Exception):
-    """Ends a run that nobody waits for any more."""
+    """Ends a run whose result is no longer needed."""
 
 
 class _Ensemble:
     """Runs of one model.
 
-    No worker holds a run beyond ``follow``: what CasADi made must be deleted where it was made.
+    No worker keeps a run after ``follow``: CasADi objects must be deleted in the thread that made them.
     """
 
     def __init__(
@@ -157,7 +157,7 @@ class _Ensemble:
         self.runs[k].follow(partial(told, k))
 
     def _tell(self, k: int, time: float) -> None:
-        """Tell how far all runs are, one of which has come to a time."""
+        """Report the progress of all runs, one of which has reached a time."""
         self.reached[k] = min(time, self.settings.t_end)
         self.told(sum(self.reached))
 

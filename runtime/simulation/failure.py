@@ -9,16 +9,16 @@ from .smooth_arc import Frame
 
 Vector = NDArray[np.float64]
 CLOSE = 0.05
-"""Pressure angle [rad] below which base circles count as about to touch."""
+"""Pressure angle [rad] below which base circles count as nearly touching."""
 FAR = 1e4
-"""Times the size of vibrations from which a motion counts as running away."""
+"""Multiple of the vibration scale above which a motion counts as diverging."""
 
 STEP, MOST_STEPS = 0.3, 50_000
-"""Angle [rad] by which the fastest motion turns in a step on the way to the failure, and the most such steps."""
+"""Phase angle [rad] of the fastest motion in a step of the run-up to the failure, and the most such steps."""
 
 
 def explain(library: Library, p: Vector, frame: Frame, x: Vector, s: Vector) -> str:
-    """Say why an integration cannot go on from a state, and what to do; empty where that is not plain.
+    """Return why an integration cannot continue from a state, and the cure; empty if unknown.
 
     Shapes as the library's functions take them; ``s`` are levels and signals.
     """

@@ -23,16 +23,16 @@ Vector = NDArray[np.float64]
 Push = Callable[[Block, Points], None]
 CURE = "try another --method or a larger --rtol, and look at the last samples for a member that runs away"
 MARK_SECONDS, SLICE = 2.0, 0.05
-"""Seconds between two marks of a run; seconds after which the C comes back to see whether it shall stop."""
+"""Seconds between two checkpoints of a run; seconds after which the C returns to check for an interrupt."""
 
 
 class Integration:
-    """An integration on its way, which hands its samples on.
+    """An integration in progress, which passes on its samples.
 
     Parameters
     ----------
     point
-        The model where the motion begins.
+        The operating point where the motion starts.
     settings
         Settings, method and sampling rate chosen.
     passing
@@ -87,7 +87,7 @@ class Integration:
         self._tick("integrate")
 
     def conclude(self) -> Outcome:
-        """Return how it went; switchings that kinematics does not call for are a failure."""
+        """Return the status; a number of switchings other than by kinematics is a failure."""
         march, events, status = self.march, self.march.counts.events, self.status
         if self.cause:
             status += f": {march.explain_failure() or f'{self.cause}; {CURE}'}"
@@ -104,13 +104,13 @@ class Integration:
         )  # fmt: skip
 
     def snapshot(self) -> Snapshot:
-        """Return all that the integration needs to go on as if it had not stopped."""
+        """Return a snapshot from which the integration can be resumed exactly."""
         self._tick("integrate")
         kept = {f"seconds.{name}": np.array(value) for name, value in self.seconds.items()}
         return self.march.snapshot() | kept | self.samples.snapshot()
 
     def restore(self, kept: Snapshot) -> None:
-        """Go on from a snapshot."""
+        """Resume from a snapshot."""
         self.march.restore(kept)
         self.samples.restore(kept)
         for name in self.seconds:

@@ -1,9 +1,9 @@
 """Low-pass filter of linear phase through which outputs are sampled, and its band.
 
-Stiffness jumps excite without end, so samples taken as they are show what lies above half the sampling rate as false
-lines below it. Outputs are integrated under the filter instead, along the motion itself, arc by arc between its jumps:
-nothing folds back, whatever the rate. Its response is that of a Kaiser window's low pass (Kaiser 1974; Oppenheim and
-Schafer, Discrete-Time Signal Processing, section 7.5.3), symmetric in time, so that phases stay.
+Stiffness jumps excite without end, so samples taken as they are alias: components above half the sampling rate appear
+below it. So the filter is applied as an integral along the motion itself, segment by segment between jumps: nothing
+aliases, whatever the rate. Its response is that of a Kaiser window's low pass (Kaiser 1974; Oppenheim and Schafer,
+Discrete-Time Signal Processing, section 7.5.3), symmetric in time, so that phases stay.
 """
 
 from functools import cache
@@ -69,7 +69,7 @@ class BandFilter:
     """The filter at work: takes outputs at points of a motion, and gives them at equal times.
 
     No number depends on how the points are cut into calls. Each row is divided by the sum of its own weights, so that
-    what stands still is kept to the last bit. At both ends the motion is continued by its image through the end point,
+    a constant is kept to the last bit. At both ends the motion is continued by its image through the end point,
     as SciPy's ``filtfilt`` does it: the first and the last row are the motion's own.
 
     Parameters
@@ -92,7 +92,7 @@ class BandFilter:
         Parameters
         ----------
         time, weight
-            When [s], ascending, and the time that each stands for [s], shape (m,).
+            Instants [s], ascending, and their quadrature weights [s], shape (m,).
         values
             Outputs less those at the start, shape (m, n_y).
         """
@@ -121,11 +121,11 @@ class BandFilter:
         return rows
 
     def snapshot(self) -> dict[str, NDArray[np.generic]]:
-        """Return all that the filter remembers."""
+        """Return the state of the filter."""
         return {name: np.array(getattr(self, name)) for name in KEPT}
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Go on from a snapshot."""
+        """Resume from a snapshot."""
         for name in KEPT:
             setattr(self, name, kept[name].item() if kept[name].ndim == 0 else kept[name].copy())
 

@@ -88,7 +88,7 @@ class Exact:
         return sum(len(times) for times in self._borders(end))
 
     def _borders(self, end: float) -> Iterator[Vector]:
-        """Return the instants [s] after 0 and up to ``end`` at which each mesh is at a border, by each kind of border.
+        """Return the switching instants [s] of each mesh after 0 and up to ``end``, for each kind of switching.
 
         Single contact begins at whole numbers of the phase and lasts for its share.
         """

@@ -21,17 +21,17 @@ REACH = 3.5
 MOST_STEPS = 1e9
 """Steps above which a run is refused: minutes for the smallest scenes, hours for large ones."""
 SPEED = 1e9
-"""Operations a second that a run is reckoned with (measured on the rig and its stages: 1.0e9 to 1.8e9)."""
+"""Operations per second assumed in estimates (measured on the rig and its stages: 1.0e9 to 1.8e9)."""
 LONGEST = 3600.0
-"""Seconds, so reckoned, above which a run must be asked for."""
+"""Estimated seconds above which a run needs ``--long``."""
 DENSEST = 10.0
-"""Steps a radian of the fastest motion that no run takes: where even these are quick, nothing is looked at closer."""
+"""Upper bound of steps per radian of the fastest motion: if even these are quick, no closer estimate is made."""
 POINTS = 4
 """Points at which outputs are read, to a sample (measured on the rig: three)."""
 LEG = 3e5
 """Operations in the time between two legs: a knot of a table, a whole turn of the reference (measured: 0.3 ms)."""
 BOUND = 3.0
-"""Steps over those that accuracy or the longest segments call for, above which another cause is told."""
+"""Steps over those for accuracy or the longest segments, above which another cause is reported."""
 ASKED = "--long, or long=True in Python, begins it all the same"
 
 
@@ -104,7 +104,7 @@ def _check_steps(point: OperatingPoint, settings: RunSettings, most: float, aske
 
 
 def _teeth_work(point: OperatingPoint, settings: RunSettings) -> list[Work]:
-    """Return the work of teeth that come and go, and of whole turns that are taken off the reference angle."""
+    """Return the work of switchings, and of subtracting whole turns from the reference angle."""
     manifest, t_end = point.library.manifest, settings.t_end
     levels, speed = manifest.levels, reference_speed(point, settings.tables)
     turns = t_end * speed / TURN

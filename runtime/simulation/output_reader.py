@@ -139,7 +139,7 @@ class Reader:
         return rows
 
     def snapshot(self) -> Snapshot:
-        """Return all that the reader remembers."""
+        """Return the state of the reader."""
         if self.start is None:
             return {}
         kept: Snapshot = {f"held.{name}": value for name, value in vars(self.held).items()}
@@ -148,7 +148,7 @@ class Reader:
         return kept if self.raw else kept | {f"filter.{name}": value for name, value in self.filter.snapshot().items()}
 
     def restore(self, kept: Snapshot) -> None:
-        """Go on from a snapshot."""
+        """Resume from a snapshot."""
         if "reader.start" not in kept:
             return
         known: Any = kept
@@ -183,7 +183,7 @@ def _last(block: Block) -> Block:
 def motion_statistics(reader: Reader, outcome: Outcome) -> Statistics | None:
     """Return the statistics of a run that reached its end, extremes of mesh forces at the integrator's own steps.
 
-    None where it did not: its second half, over which they are taken, is not whole.
+    None if it did not: its second half, over which they are taken, is not whole.
     """
     if outcome.status != "done":
         return None
@@ -196,7 +196,7 @@ def motion_statistics(reader: Reader, outcome: Outcome) -> Statistics | None:
 
 
 def sampled(library: Library, path: Trajectory, p: Vector) -> Rows:
-    """Read the outputs of a whole trajectory at its samples, as they are."""
+    """Evaluate the outputs of a whole trajectory at its samples, unfiltered."""
     values = outputs_of(library, Clocks(library.manifest, p), path)
     index = np.arange(len(path.time), dtype=np.int64)
     return Rows(index, path.time, values, path.x, path.levels, path.steps)

@@ -1,4 +1,4 @@
-"""Lobatto quadrature on an arc of smooth motion.
+"""Lobatto quadrature on a smooth segment of motion.
 
 Gauss's rule with both ends among its points (Abramowitz and Stegun 25.4.32): so both sides of a jump are seen.
 """

@@ -41,14 +41,14 @@ UNDER_WAY = f"{UNFINISHED}; `ltcgear simulate` with the same arguments and {GOES
 
 
 def check_recordable(target: Path, resume: bool, *sources: Path | str | None) -> None:
-    """Refuse a result file that must not be written or cannot be gone on with, before anything is computed.
+    """Refuse a result file that must not be written or cannot be resumed, before anything is computed.
 
     Parameters
     ----------
     target
         The result file, ``NAME.nc``.
     resume
-        Go on from its checkpoint.
+        Resume from its checkpoint.
     sources
         Files that are read, which it must not be.
 
@@ -72,7 +72,7 @@ def check_recordable(target: Path, resume: bool, *sources: Path | str | None) ->
 
 
 def check_resumable(target: Path) -> None:
-    """Refuse to go on where nothing was left to go on from."""
+    """Refuse to resume without a checkpoint."""
     for path in (checkpoint_of(target), part_of(target)):
         if not path.is_file():
             raise LtcgearError(f"{path}: not there, so there is nothing to go on from; leave out --resume")
@@ -108,7 +108,7 @@ def record(
 ) -> dict[str, Any]:
     """Simulate from the loaded equilibrium into a NetCDF4 file.
 
-    While it runs, samples go to ``NAME.part.nc`` and all that it takes to go on to ``NAME.checkpoint.npz``.
+    While it runs, samples go to ``NAME.part.nc`` and its state to ``NAME.checkpoint.npz``.
     Both outlast a killed program, and a run that Ctrl-C stopped; else they are deleted. One run or sweep at a time
     writes a file.
 
@@ -179,7 +179,7 @@ def record(
 
 
 class Recorder:
-    """Reads outputs of samples and writes them to a part; remembers what it needs to go on.
+    """Evaluates outputs of samples, writes them to the part file and keeps its state for a checkpoint.
 
     Parameters
     ----------
@@ -188,9 +188,9 @@ class Recorder:
     reader
         What reads the outputs.
     attributes
-        What the file tells about itself while the run goes on.
+        Attributes of the file during the run.
     kept
-        Snapshot to go on from; None begins anew.
+        Snapshot to resume from; None starts from the beginning.
     """
 
     def __init__(
@@ -240,7 +240,7 @@ class Recorder:
 
 
 def _restore(target: Path, kept: Snapshot, integration: Integration, reader: Reader) -> None:
-    """Go on from a checkpoint."""
+    """Resume from a checkpoint."""
     try:
         integration.restore(kept)
         reader.restore(kept)

@@ -16,7 +16,7 @@ LIMITS = (
     (Path("/sys/fs/cgroup"), "memory.max", "memory.current"),
     (Path("/sys/fs/cgroup/memory"), "memory.limit_in_bytes", "memory.usage_in_bytes"),
 )
-"""Where it stands what a container may use of memory and what it uses: control groups of version 2 and 1."""
+"""Files with the memory limit and use of a container: control groups of version 2 and 1."""
 SHARE = 0.8
 """Share of what is free that a run may take."""
 GIGA, MEGA = 1e9, 1e6

@@ -79,7 +79,7 @@ class RunSettings:
         return round(self.t_end * self.sampling_rate)
 
     def identity(self) -> dict[str, Any]:
-        """Return the settings by name that make a run what it is; one of others does not go on with it."""
+        """Return by name the settings that a resumed run must share."""
         return {name: getattr(self, name) for name in ("t_end", "rate", "method", "rtol", "raw")}
 
     def checked(self) -> "RunSettings":

@@ -18,15 +18,15 @@ BLOCK = 2048
 
 
 def no_points(march: March) -> Points:
-    """Return no points of a march."""
+    """Return an empty set of points."""
     x, levels, signals = (np.zeros((0, size)) for size in (len(march.z), len(march.cells), march.state.n_signals))
     return Points(np.zeros(0), np.zeros(0), x, levels, signals, np.zeros(0, dtype=np.int64))
 
 
 class Samples:
-    """The uniform samples of a march, at k / rate for k = 0 .. last, and the points between them.
+    """The uniform samples of a run, at k / rate for k = 0 .. last, and the points between them.
 
-    All samples of a segment are read at once, so that none depends on where a block ends.
+    All samples of a segment are evaluated together, so that none depends on where a block ends.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Samples:
         return self.done > self.last
 
     def take(self) -> None:
-        """Take what the march has left."""
+        """Take the samples and points in the buffers."""
         state = self.march.state
         count, state.filled = state.filled, 0
         if count:
@@ -73,7 +73,7 @@ class Samples:
             self.flush()
 
     def _left(self, kind: str, names: tuple[str, ...], count: int) -> list[Vector]:
-        """Return copies of what the march has left of a kind."""
+        """Return copies of a buffer's content."""
         return [self.march.native.arrays[f"{kind}_{name}"][:count].copy() for name in names]
 
     def _wait(self, time: Vector, x: Vector, levels: Vector, steps: Vector) -> None:
@@ -92,7 +92,7 @@ class Samples:
         return phi, turns
 
     def flush(self) -> None:
-        """Hand on what waits; points beyond the last sample wait for the next one."""
+        """Flush the buffers; points beyond the last sample are kept for the next one."""
         if not self.waiting:
             return
         block = join(self.waiting)
@@ -114,7 +114,7 @@ class Samples:
         return {"samples": np.array(self.done), **{f"beyond.{name}": value for name, value in vars(points).items()}}
 
     def restore(self, kept: dict[str, NDArray[np.generic]]) -> None:
-        """Go on after samples that were handed on before."""
+        """Resume after samples passed on earlier."""
         done = int(kept["samples"].item())
         self.done, self.march.state.done, self.waiting, self.held = done, done, [], 0
         found: dict[str, Any] = {name[7:]: value for name, value in kept.items() if name.startswith("beyond.")}

@@ -23,14 +23,14 @@ ROOM = 1.2
 FAINT = 0.01
 """Amplitude of a mode over that of the strongest below which it may lie outside of the band."""
 STILL = 1e-6
-"""Amplitude, over that to which tolerances refer, below which nothing is set going."""
+"""Amplitude, over that to which tolerances refer, below which a mode counts as not excited."""
 LEAST, MOST = 2**10, 2**18
 """Bounds of rates that are chosen [Hz]; a rate is a power of two."""
 
 
 @dataclass(frozen=True)
 class Rate:
-    """A sampling rate [Hz] and why it is taken; None where the scene or the user gives it."""
+    """A sampling rate [Hz] and why it is taken; None if the scene or the user gives it."""
 
     rate: float
     why: str | None
@@ -38,7 +38,7 @@ class Rate:
 
 @single_threaded()
 def choose_rate(point: OperatingPoint, tables: Mapping[str, Pairs] | None = None) -> Rate:
-    """Choose a sampling rate whose band holds the modes that are set going and the first harmonics of all meshes.
+    """Choose a sampling rate whose band holds the modes that are excited and the first harmonics of all meshes.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def find_rate(
 
 
 def _fastest_mode(point: OperatingPoint) -> float:
-    """Return the highest frequency [Hz] of the modes that are set going, of all that swing where none is; 0 without."""
+    """Return the highest frequency [Hz] of the excited modes, of all oscillating modes if none is; 0 without any."""
     values, amplitude = excited_modes(point)[:2]
     most = float(amplitude.max(initial=0.0))
     swings = (np.abs(values.imag) > np.abs(values.real)) & (amplitude >= (FAINT * most if most > STILL else 0.0))

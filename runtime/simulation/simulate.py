@@ -55,7 +55,7 @@ def simulate(
     values
         Parameter name -> value in SI.
     attributes
-        What the result file shall also tell, such as the scene.
+        Further attributes of the result file, such as the scene.
     told
         Called with the simulated time now and then.
     options
@@ -124,7 +124,7 @@ class Run:
 
 
 def resolve(point: OperatingPoint, settings: RunSettings) -> tuple[RunSettings, dict[str, Any]]:
-    """Choose method and sampling rate where they are open; return the settings and what a summary tells of them.
+    """Choose method and sampling rate where left open; return the settings and their entries of the summary.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Smooth arcs of a motion, and the scaling in which they are integrated."""
+"""Smooth segments of a motion, and the scaling in which they are integrated."""
 
 from dataclasses import dataclass
 

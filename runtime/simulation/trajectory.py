@@ -50,7 +50,7 @@ class Block:
 
 @dataclass(frozen=True)
 class Points:
-    """Points of the motion that follow each other, and the time that each stands for [s]: see ``model/c/points.c``.
+    """Successive points of the motion and their quadrature weights [s]: see ``model/c/points.c``.
 
     What is not listed is that of a ``Block``.
 
@@ -98,7 +98,7 @@ class Outcome:
     counts
         Steps, right-hand sides, Jacobians, segments, events.
     expected_events
-        Switchings by kinematics: borders between the mesh phases at the start, where they turned back, and at the end.
+        Number of switchings by kinematics, from the mesh phases at the start, where they turn back, and at the end.
     extremes
         Smallest and largest mesh forces.
     status

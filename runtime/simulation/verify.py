@@ -33,7 +33,7 @@ PARTED = 0.3
 """Difference over the vibration from which two runs are no longer the same motion."""
 FINER = 0.1
 TOLD = ("mean", "min", "max", "rms", "load_factor")
-"""Statistics of a mesh force that a run tells."""
+"""Statistics of a mesh force in a summary."""
 
 
 def estimate_accuracy(
@@ -54,7 +54,7 @@ def estimate_accuracy(
     -------
     dict
         ``window_s`` and ``rtol``; ``meshes``, by name the root mean square and the peak of the difference over
-        the vibration (its standard deviation) and over the mean, None where there is nothing to refer to, and for each
+        the vibration (its standard deviation) and over the mean, None if there is nothing to refer to, and for each
         of ``TOLD`` the change of that statistic of the window's second half over its size; ``worst``, the mesh with the
         largest; ``reason``, why there are no numbers, None if there are.
     """
@@ -92,7 +92,7 @@ def _follow(point: OperatingPoint, settings: RunSettings, told: Told) -> "xr.Dat
 
 
 def _alike(one: "xr.Dataset", two: "xr.Dataset") -> NDArray[np.bool_]:
-    """Return at which samples all meshes have the same level in both runs: beside a jump a shift is no error."""
+    """Return the samples at which all meshes have the same level in both runs: near a jump a shift is no error."""
     if "mesh_level" not in one:
         return np.ones(one.sizes["time"], dtype=np.bool_)
     return np.asarray((one["mesh_level"].values == two["mesh_level"].values).all(axis=1))

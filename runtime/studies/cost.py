@@ -19,7 +19,7 @@ from ..simulation.simulate import simulate
 from .force_comparison import MEASURES, compare_forces, find_worst
 
 BATCH = 32
-"""Calls of the right-hand side that Python makes at once, so that its own time does not count."""
+"""Right-hand sides per timed call from Python, so that the interpreter's time does not count."""
 BLOCKS, ROUNDS = 40, 5
 """Timed batches, and timed runs, of each variant; the least counts."""
 QUICK, REPEATS = 0.1, 5
@@ -28,7 +28,7 @@ QUICK, REPEATS = 0.1, 5
 
 @dataclass(frozen=True)
 class Variant:
-    """A model with one effect at another value; ``library`` is None where there is no such model, for ``reason``.
+    """A model with one effect at another value; ``library`` is None if there is no such model, for ``reason``.
 
     ``values`` and ``tables`` are the model's numbers and its loads over time.
     """
@@ -111,7 +111,7 @@ def measure_costs(
 
 
 def _later(told: Callable[[float], None], before: float, now: float) -> None:
-    """Tell the time simulated in this run on top of what went before."""
+    """Report the simulated time of this run plus that of earlier ones."""
     told(before + now)
 
 

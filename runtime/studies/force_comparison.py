@@ -34,7 +34,7 @@ def compare_forces(full: "xr.Dataset", other: "xr.Dataset") -> dict[str, dict[st
     Returns
     -------
     dict of dict
-        By stage, the worst of its meshes, None where there is nothing to refer to:
+        By stage, the worst of its meshes, None if there is nothing to refer to:
         ``force_rms``, change of the root mean square of force less mean, over the full one's;
         ``force_peak``, change of the largest force, over the full one's;
         ``load_share``, change of the most loaded planet's mean force over the planets' mean;
@@ -63,7 +63,7 @@ def compare_forces(full: "xr.Dataset", other: "xr.Dataset") -> dict[str, dict[st
 
 
 def find_worst(values: Sequence[float | None]) -> float | None:
-    """Return the largest change, its sign kept; None where there is none."""
+    """Return the largest change, its sign kept; None if there is none."""
     return max((value for value in values if value is not None), key=abs, default=None)
 
 
@@ -94,12 +94,12 @@ def _phases(dataset: "xr.Dataset") -> dict[str, Vector]:
 
 
 def _ratio(change: float, reference: float) -> float | None:
-    """Return a relative change; None where there is nothing to refer to."""
+    """Return a relative change; None if there is nothing to refer to."""
     return change / reference if reference > 0 else None
 
 
 def _vibrates(force: Vector) -> bool:
-    """Tell whether a force does more than stand still: below `STILL` of the mean is rounding."""
+    """Return whether a force varies: variation below `STILL` of the mean is rounding."""
     return float(force.std()) > STILL * abs(float(force.mean()))
 
 
@@ -146,7 +146,7 @@ def _spectrum_change(one: Vector, two: Vector, phase: Vector) -> float | None:
 
 
 def pair_orders(one: Vector, two: Vector, phase: Vector) -> tuple[Vector, Vector]:
-    """Return the amplitudes of two forces at the orders of their mesh; none where the first stands still."""
+    """Return the amplitudes of two forces at the orders of their mesh; none if the first is constant."""
     if not _vibrates(one):
         return np.zeros(0), np.zeros(0)
     return mesh_orders(one, phase), mesh_orders(two, phase)
@@ -166,7 +166,7 @@ def mesh_orders(force: Vector, phase: Vector) -> Vector:
     -------
     numpy.ndarray
         Amplitude of order 1, 2, ... under a Hann window, as many as 0.4 of the sampling rate and ``ORDERS``
-        allow; none where less than two teeth pass, since their orders cannot be told apart.
+        allow; none if less than two teeth pass, since their orders cannot be told apart.
     """
     steps = np.abs(np.diff(phase))
     if abs(phase[-1] - phase[0]) < 2 or not steps.max() > 0:

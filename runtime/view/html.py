@@ -31,5 +31,5 @@ def open_templates(room: str, needing: str) -> Any:  # noqa: ANN401
 
 
 def read_asset(room: str, name: str) -> str:
-    """Return the text of a file beside a package's templates."""
+    """Return the text of a file in a package's templates."""
     return (resources.files(room) / "templates" / name).read_text("utf-8")

@@ -1,4 +1,4 @@
-r"""SymPy -> TeX: expressions in the letters of the one table, and long sums broken into lines.
+r"""Notation of the book: SymPy expressions as TeX, in the letters of one table, with long sums broken into lines.
 
 A symbol's name may carry a tag: ``x@lsp.sun`` is the x of a body, ``k#3`` the k of element 3; they are written
 :math:`x_\text{lsp.sun}` and :math:`k^{(3)}`.
@@ -14,12 +14,12 @@ from sympy.printing.latex import LatexPrinter
 from .letters import LETTERS, ORDER, Letter
 
 WIDTH = 74
-"""Characters of a line, before a sum is broken."""
+"""Visible characters in a line before a sum is broken."""
 RANKED = "|"
 
 
 class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
-    """TeX of expressions; a symbol without a letter is an error, so that none is printed by its program name."""
+    """TeX printer; a symbol without a letter is an error, so that no program name is printed."""
 
     def __init__(self, letters: Mapping[str, Letter] = LETTERS, order: str | None = None) -> None:
         super().__init__({"order": order, "mul_symbol": r"\,", "parenthesize_super": True, "ln_notation": True})
@@ -30,7 +30,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return write_name(expr.name.partition(RANKED)[2] or expr.name, self.letters)
 
     def _print_Add(self, expr: sp.Expr, order: str | None = None) -> str:  # noqa: N802
-        """Print a sum, what is added before what is taken away; as it stands where no order is wanted."""
+        """Print a sum, positive terms first; unsorted if no order is wanted."""
         terms = [str(self._print(term)) for term in self._as_ordered_terms(expr, order=order)]
         if self._settings["order"] != "none":
             terms.sort(key=lambda term: term.startswith("-"))
@@ -42,7 +42,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return f"{write_name(str(expr.base), self.letters)}_{{{self._print(expr.indices[0])}}}"
 
     def _print_Given(self, expr: sp.Expr) -> str:  # noqa: N802
-        """Print a quantity that is a function of an angle of its own."""
+        """Print a quantity as a function of its own angle."""
         z, value, _ = expr.args
         return f"{self._print(value)}{self._bracket(z)}"
 
@@ -51,7 +51,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return self._raised(rf"\ln\cosh{self._bracket(expr.args[0])}", exp)
 
     def _print_Switch(self, expr: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
-        """Print the side of a border, H being 1 for a positive argument and 0 else."""
+        """Print a contact state, H being 1 for a positive argument and 0 otherwise."""
         return self._raised(rf"\operatorname{{H}}{self._bracket(sp.Add(*expr.args, evaluate=False))}", exp)
 
     def _print_Step(self, expr: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
@@ -59,7 +59,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]  # SymPy is untyped
         return self._raised(rf"\operatorname{{H}}{self._bracket(expr.args[0])}", exp)
 
     def _print_Rest(self, expr: sp.Expr, exp: str | None = None) -> str:  # noqa: N802
-        """Print touching without a push."""
+        """Print contact without force."""
         border = sp.Add(*expr.args[:2], evaluate=False)
         touching, pushing = (rf"\operatorname{{H}}{self._bracket(z)}" for z in (expr.args[2], border))
         return self._raised(rf"{touching}\left[1 - {pushing}\right]", exp)
@@ -124,7 +124,7 @@ def write_name(name: str, letters: Mapping[str, Letter] = LETTERS) -> str:
 
 
 def add_subscript(tex: str, more: str) -> str:
-    """Put more into a symbol's subscript."""
+    """Add to a symbol's subscript."""
     stem, low, rest = tex.partition("_")
     if not low:
         return f"{tex}_{{{more}}}"
@@ -139,7 +139,7 @@ SPECIAL = {
 
 
 def escape(text: str) -> str:
-    """Return plain text as TeX shows it."""
+    """Return plain text escaped for TeX."""
     return "".join(SPECIAL.get(character, character) for character in text)
 
 
@@ -149,7 +149,7 @@ def typeset(expression: Any, letters: Mapping[str, Letter] = LETTERS) -> str:  #
 
 
 def _ranked(expression: Any) -> Any:  # noqa: ANN401
-    """Give symbols names by which SymPy puts numbers of the model before what moves in a product."""
+    """Rename symbols so that SymPy sorts parameters before variables in a product."""
     amplitudes = expression.atoms(sp.Indexed)
     plain = expression.free_symbols - amplitudes - {item.base.label for item in amplitudes}
     names = {symbol: sp.Symbol(f"{_rank(symbol.name)}{RANKED}{symbol.name}", **symbol.assumptions0) for symbol in plain}
@@ -157,12 +157,12 @@ def _ranked(expression: Any) -> Any:  # noqa: ANN401
 
 
 def _rank(name: str) -> int:
-    """Return where a symbol stands in a product."""
+    """Return the rank of a symbol in a product."""
     return next((i for i, group in enumerate(ORDER) if re.split("[@#]", name)[0] in group), len(ORDER))
 
 
 def break_sum(left: str, expression: Any, letters: Mapping[str, Letter] = LETTERS) -> tuple[str, ...]:  # noqa: ANN401
-    """Return the TeX lines of ``left = expression``, a long sum broken before its signs.
+    """Return the TeX lines of ``left = expression``, with a long sum broken before its signs.
 
     Parameters
     ----------
@@ -180,13 +180,13 @@ def break_sum(left: str, expression: Any, letters: Mapping[str, Letter] = LETTER
 
 
 def put_signs(terms: Sequence[str]) -> list[str]:
-    """Return the terms of a sum with their signs, but for a plus at its head."""
+    """Return the terms of a sum with their signs, without a leading plus."""
     told = [f"- {t[1:].lstrip()}" if t.startswith("-") else f"+ {t}" for t in terms]
     return [told[0].removeprefix("+ "), *told[1:]] if told else ["0"]
 
 
 def fill_lines(pieces: Sequence[str]) -> tuple[str, ...]:
-    """Lay pieces out in lines of bounded length; the first two stay together."""
+    """Join pieces into lines of bounded length; the first two stay together."""
     lines, line = [], " ".join(pieces[:2])
     for piece in pieces[2:]:
         if count_visible(line) + count_visible(piece) > WIDTH:
@@ -198,6 +198,6 @@ def fill_lines(pieces: Sequence[str]) -> tuple[str, ...]:
 
 
 def count_visible(tex: str) -> int:
-    """Estimate how many characters of a TeX formula are seen."""
+    """Estimate the number of visible characters of a TeX formula."""
     plain = re.sub(r"\\(operatorname|mathrm|text|left|right|dot|ddot|frac|sqrt|bar)\b", "", tex)
     return len(re.sub(r"\\[a-zA-Z]+", "x", plain).translate(str.maketrans("", "", "{}^_ ,\\")))

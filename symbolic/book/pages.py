@@ -1,4 +1,4 @@
-"""Output of the book: one HTML page with MathML, or a LaTeX file, of the same content."""
+"""Pages of the book: HTML with MathML, or LaTeX, with the same content."""
 
 import re
 from functools import cache
@@ -16,12 +16,12 @@ TEXT_CELL = re.compile(r"<mtext>(.*?)</mtext>", re.DOTALL)
 
 
 def write_html(book: Book) -> str:
-    """Return a book as one HTML page that needs nothing beside it.
+    """Return a book as one self-contained HTML page.
 
     Raises
     ------
     LtcgearError
-        If the packages that pages are made with are not installed.
+        If the packages for pages are not installed.
     """
     jinja2 = require_packages()[0]
     environment = jinja2.Environment(
@@ -38,7 +38,7 @@ def write_latex(book: Book) -> str:
     Raises
     ------
     LtcgearError
-        If the packages that pages are made with are not installed.
+        If the packages for pages are not installed.
     """
     jinja2 = require_packages()[0]
     environment = jinja2.Environment(
@@ -72,7 +72,7 @@ def _template(name: str) -> str:
 
 
 def _kind(part: object) -> str:
-    """Return what a part of a text is: text, maths, link or mark."""
+    """Return the kind of a part of a text: text, maths, link or mark."""
     return {Maths: "maths", CrossReference: "link", Mark: "mark"}.get(type(part), "text")
 
 
@@ -83,7 +83,7 @@ def mathml(tex: str, display: str = "inline") -> str:
     Parameters
     ----------
     tex
-        The formula; text within it comes as TeX shows it, special characters escaped.
+        The formula; special characters of text in it are escaped.
     display
         ``inline`` or ``block``.
     """
@@ -94,17 +94,17 @@ def mathml(tex: str, display: str = "inline") -> str:
 
 
 def _plain(text: str) -> str:
-    """Return a text in a formula as HTML shows it."""
+    """Return a text in a formula escaped for HTML."""
     return escape_html(re.sub(r"\\([_&%#${}])", r"\1", text).replace("&#x000A0;", "\u00a0"))
 
 
 def tex_text(text: Text) -> str:
-    """Return a text as TeX shows it; dotted names may be broken over lines."""
+    """Return a text escaped for TeX; dotted names may be broken over lines."""
     return "".join(f"${part.tex}$" if isinstance(part, Maths) else _breakable(_words(part)) for part in text)
 
 
 def _breakable(text: str) -> str:
-    """Let names break behind their dots and underscores."""
+    """Allow line breaks after dots and underscores of names."""
     return re.sub(r"(\_|\.(?=[a-z]))", r"\1\\allowbreak{}", escape(text))
 
 

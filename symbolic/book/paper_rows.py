@@ -1,4 +1,4 @@
-"""The paper's printed equations in their own letters, beside what the derivation gives."""
+"""Rows of the paper: printed equations in their own letters, with the derived ones."""
 
 import re
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ PREFIXES = {
 
 @dataclass(frozen=True)
 class PrintedRow:
-    """One row of the paper: the verdict on it, and its lines in TeX as printed and as derived."""
+    """One row of the paper: its verdict, and its TeX lines as printed and as derived."""
 
     verdict: Verdict
     printed: tuple[str, ...]
@@ -28,7 +28,7 @@ class PrintedRow:
 
 
 class PaperPrinter(Printer):
-    """TeX in the paper's letters, terms in the order of print."""
+    """TeX printer in the paper's letters, with terms in printed order."""
 
     def __init__(self) -> None:
         super().__init__(order="none")
@@ -60,7 +60,7 @@ def write_paper_name(name: str) -> str:
 
 
 def print_terms(row: Row, terms: Mapping[str, sp.Expr]) -> tuple[str, ...]:
-    """Return term groups as lines of one equation, in their order."""
+    """Return term groups as lines of one equation, in order."""
     printer = PaperPrinter()
     if row.definition:
         return fill_lines([f"{write_paper_name(row.label)} =", *put_signs([_part(printer, t) for t in terms.values()])])

@@ -1,4 +1,4 @@
-"""The book of a scene: its chapters in order, and the file that it is written to."""
+"""The equation book of a scene: its chapters in order, and its file."""
 
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
@@ -27,14 +27,14 @@ WRITERS: dict[str, Callable[[Book], str]] = {".html": write_html, ".tex": write_
 
 
 def make_book(scene: Scene, model: Model, manifest: Manifest, key: str, checks: Sequence[Check]) -> Book:
-    """Put the equation book of a scene together.
+    """Assemble the equation book of a scene.
 
     Parameters
     ----------
     scene, model
         A scene and its model.
     manifest, key
-        Of the C that was made of it: its manifest, and the key under which it is kept.
+        Manifest of its C, and the key of the C in the store.
     checks
         Results of the model's checks.
     """
@@ -64,7 +64,7 @@ def make_book(scene: Scene, model: Model, manifest: Manifest, key: str, checks: 
 
 
 def identify(manifest: Manifest, key: str) -> dict[str, str]:
-    """Return what ties a book to its C."""
+    """Return what identifies the C of a book."""
     told = {"key": key, "digest of the C": manifest.key, "ltcgear": version("ltcgear"), "SymPy": version("sympy")}
     told |= {"CasADi": manifest.casadi, "states": str(len(manifest.states))}
     told |= {"parameters": str(len(manifest.parameters))}
@@ -72,12 +72,12 @@ def identify(manifest: Manifest, key: str) -> dict[str, str]:
 
 
 def check_file(path: Path, *sources: str) -> None:
-    """Refuse a file that is neither a page nor LaTeX, and any where the packages for pages are missing.
+    """Refuse a file that is neither HTML nor LaTeX, and any file if the packages for pages are missing.
 
     Raises
     ------
     LtcgearError
-        If the suffix is another one than .html or .tex, or if a package is missing.
+        If the suffix is neither .html nor .tex, or if a package is missing.
     """
     require_packages()
     check_output(path, *sources)
@@ -86,19 +86,19 @@ def check_file(path: Path, *sources: str) -> None:
 
 
 def write_book(book: Book, path: Path) -> None:
-    """Write a book to a file, by its suffix as HTML or LaTeX; it appears whole or not at all.
+    """Write a book to a file, as HTML or LaTeX by its suffix; it is written completely or not at all.
 
     Raises
     ------
     LtcgearError
-        If the suffix is another one, if the packages for pages are missing, or if the file cannot be written.
+        If the suffix is wrong, a package for pages is missing, or the file cannot be written.
     """
     check_file(path)
     write_text(WRITERS[path.suffix](book), path)
 
 
 def list_content(book: Book) -> dict[str, Any]:
-    """Return what a book holds, ready for JSON."""
+    """Return the contents of a book for JSON."""
     return {
         "scene": book.scene,
         "title": book.title,

@@ -2,8 +2,8 @@
 
 Whoever adds an effect adds to ``RAW`` the keys that it needs, to ``DATA`` those keys (so that it can be seen
 that they leave no trace while the effect is out), and to ``ZERO`` or ``NO_ZERO`` how its amplitude becomes
-zero, or why it has none. The tests of tests/symbolic/test_effects.py and tests/runtime/test_effects.py then
-cover it as it stands in the table.
+zero, or why it has none. tests/symbolic/schema/test_effects.py and tests/runtime/simulation/test_pairs_of_effects.py
+then cover it as it stands in the table.
 """
 
 from collections.abc import Iterator, Mapping

@@ -21,8 +21,8 @@ NOT_RUN = {
     "make rig": "installs what the tests run in; what it prints is tested by tests/test_paper.py",
     "make test": "is what runs the tests",
     "make torture": "is what runs this",
-    PINS: "1000 runs, some minutes; tests/runtime/test_sweep_sharing.py has fewer",
-    "dask scheduler": "needs machines; tests/runtime/test_sweep_cluster.py sweeps over a scheduler of its own",
+    PINS: "1000 runs, some minutes; tests/runtime/studies/test_sweep_sharing.py has fewer",
+    "dask scheduler": "needs machines; tests/runtime/studies/test_sweep_cluster.py sweeps over a scheduler of its own",
     "dask worker tcp://10.0.0.5:8786 --nthreads 1": "likewise",
     "ltcgear sweep lsp --vary 'loads.ring.speed=5 rpm:20 rpm:64' --scheduler tcp://10.0.0.5:8786 -o speeds.nc": "again",
 }

@@ -49,7 +49,7 @@ def describe(head: Head, interface: Interface) -> str:
 
 
 def describe_build(head: Head) -> str:
-    """Return buildDescription.xml of FMI 3.0, which tells how to compile the sources."""
+    """Return buildDescription.xml of FMI 3.0, which describes how to compile the sources."""
     root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
     build = ET.SubElement(root, "BuildConfiguration", modelIdentifier=head.identifier)
     files = ET.SubElement(build, "SourceFileSet", language="C11")

@@ -27,5 +27,5 @@ def identify(name: str) -> str:
 
 
 def _quote(part: str) -> str:
-    """Return a name in quotes; letters that may not stand there become underscores."""
+    """Return a name in quotes; forbidden characters become underscores."""
     return f"'{re.sub(r'[^ -~]', '_', part).replace(chr(92), '_').replace(chr(39), '_').replace(chr(34), '_')}'"

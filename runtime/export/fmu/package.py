@@ -26,7 +26,7 @@ VERSIONS = {CO_SIMULATION: "2.0", MODEL_EXCHANGE: "3.0"}
 """Kind of FMU -> version of FMI."""
 RTOL = 1e-6
 OLDEST = (1980, 1, 1, 0, 0, 0)
-"""Time that all files of the archive bear, so that the same scene gives the same bytes."""
+"""Modification time of all files of the archive, so that the same scene gives the same bytes."""
 
 
 def write_fmu(
@@ -136,7 +136,7 @@ def _check_effort(library: Library, interface: Interface, t_end: float) -> None:
 
 
 def check_kind(kind: str) -> bool:
-    """Tell whether a kind is model exchange; LtcgearError if there is no such kind."""
+    """Return whether a kind is model exchange; LtcgearError if there is no such kind."""
     if kind not in VERSIONS:
         raise LtcgearError(f"--kind {kind}: must be one of {', '.join(VERSIONS)}")
     return kind == MODEL_EXCHANGE

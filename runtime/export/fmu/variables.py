@@ -61,7 +61,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Input:
-    """One input: its name, unit and start value, the number of the table it stands for, whether it is its slope."""
+    """One input: its name, unit and start value, the index of the table it replaces, whether it is the slope."""
 
     name: str
     unit: str
@@ -71,7 +71,7 @@ class Input:
 
     @property
     def ramps(self) -> bool:
-        """Tell whether it is a speed, which does not jump."""
+        """Return whether it is a speed, which does not jump."""
         return self.unit == "rad/s"
 
 
@@ -217,7 +217,7 @@ class Interface:
 
 
 def _inputs(manifest: Manifest, run: PlainRun, wanted: Sequence[str], exchange: bool) -> Iterator[Input]:
-    """Yield the inputs that stand for some tables; where the slope of one counts, that follows it."""
+    """Yield the inputs that replace some tables, each followed by its slope where this is needed."""
     tables = list(dict.fromkeys(signal.table for signal in manifest.signals))
     for table in wanted:
         units = {signal.slope: signal.unit for signal in manifest.signals if signal.table == table}

@@ -74,7 +74,7 @@ def write_data(library: Library, name: str, run: PlainRun) -> str:
 
 
 def fixed_parameters(manifest: Manifest) -> list[bool]:
-    """Tell which parameters follow from structure, or choose what is computed, and so cannot be set."""
+    """Return which parameters follow from structure or switch the model, and so cannot be set."""
     tied = set(chain.from_iterable((c.start, c.teeth, c.ratio, c.frame, *c.periods) for c in manifest.clocks))
     return [not is_continuous(manifest.roles[name]) or name in tied for name, _ in manifest.parameters]
 
@@ -202,7 +202,7 @@ def _model(library: Library, name: str, key: str, run: PlainRun) -> str:
 
 
 def _place(names: Sequence[object], name: object) -> int:
-    """Return where a name stands, -1 where it does not."""
+    """Return the index of a name, -1 if it is missing."""
     return list(names).index(name) if name in names else -1
 
 

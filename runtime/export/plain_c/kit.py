@@ -14,9 +14,9 @@ PARTS = (
     "run.c", "tables.c", "clocks.c", "solve.c", "balance.c", "scaling.c", "start.c", "saving.c", "advance.c",
     "statistics.c", "events.c",
 )  # fmt: skip
-"""What follows the march in ltcgear.c."""
+"""Parts of ltcgear.c after the integrator."""
 UNUSED = ("rows.c", "filter.c", "adjoint.c")
-"""Parts of the march's C that a simulation does not need."""
+"""Parts of the integrator's C that a simulation does not need."""
 HOME = Path(__file__).parent / "c"
 HEAD = """/* The integration of a gearbox that ltcgear has turned into C, see ltcgear.h; the same for all scenes. */
 #define EXPORTED static
@@ -29,7 +29,7 @@ CONSTANTS = {
     "OPENNESS": equilibrium.OPEN, "FIRST_PART": continuation.FIRST, "SMALLEST_PART": continuation.SMALLEST,
     "PART_GROWTH": continuation.GROWTH, "REACH": method_limits.REACH,
 }  # fmt: skip
-"""Numbers that Python's march and search for the equilibrium go by too."""
+"""Constants shared with integration and equilibrium in Python."""
 
 
 @cache
@@ -46,7 +46,7 @@ def _runtime() -> str:
 
 
 def _tables() -> str:
-    """Write what Python and C share: constants, texts of faults, and numbers that a saved march has."""
+    """Write what Python and C share: constants, messages of faults, and the fields of a saved run."""
     kept = " ".join(f"X({name})" for name, kind, role in FIELDS if role == "kept" and kind in ("whole", "real"))
     faults = "".join(f'    "{text}",\n' for text in FAULTS)
     return "\n".join([

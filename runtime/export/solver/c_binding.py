@@ -30,7 +30,7 @@ class DynamicsStruct(ctypes.Structure):
 
 
 class Callee(cstruct.Shared):
-    """A model's functions with what the C needs beside them.
+    """A model's functions with the arrays that the C needs.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Callee(cstruct.Shared):
 
 @cache
 def source() -> str:
-    """Return the C: the march's, of which it uses parts, and its own."""
+    """Return the C: parts of the integrator's, and its own."""
     fields = "\n".join(f"  {cstruct.KINDS[kind][1].format(name)};" for name, kind in KINDS.items())
     own = (Path(__file__).parents[2] / "model" / "c" / "dynamics.c").read_text("utf-8")
     return "\n".join([cstruct.source(), f"typedef struct {{\n{fields}\n}} dynamics;\n", own])

@@ -25,17 +25,17 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 
 ON_BORDER = 1e-8
-"""How close to a border counts as on it, over what vibrations of usual size change its indicator by."""
+"""Distance from an event that counts as on it, over the change of its indicator by usual vibrations."""
 INSTANT, ROUNDED = 1e-13, 256 * np.finfo(float).eps
-"""Time [s], and share of the time passed, within which a border counts as reached: what solvers find roots to."""
+"""Time [s], and share of the elapsed time, within which an event counts as reached: a solver's root tolerance."""
 BRIEF, STEPS = 1e-2, 4
-"""Steps, as angles of the fastest vibration [rad], by which it is seen whether a border is approached."""
+"""Steps, as phase angles of the fastest vibration [rad], that show whether an event is approached."""
 NAMES = {"x": "Dynamics.states", "p": "Dynamics.parameters"}
 """Where a user reads what the numbers of an argument are."""
 
 
 class Border:
-    """An event for ``solve_ivp``: the motion leaves the side of a border that is held. It ends the integration.
+    """An event for ``solve_ivp``: the motion leaves the held contact state. It ends the integration.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Border:
         self._dynamics, self._place, self.name = dynamics, place, name
 
     def __call__(self, t: float, x: Vector, p: Vector | None = None) -> float:
-        """Return how far the state is from the border, positive on the side that is held."""
+        """Return the event function at a state, positive on the held side."""
         return float(self._dynamics.borders(t, x, p)[self._place])
 
 
@@ -57,8 +57,8 @@ class Dynamics:
     """Equations of motion of a built model, xdot = f(t, x, p), for a solver of your own.
 
     The load signals follow the model's tables at time t. Mesh levels (how many tooth pairs are in contact) and regimes
-    (teeth that part, races that are reached) follow the state x: the right-hand side then jumps or bends where they
-    change. ``hold`` keeps them, so that a solver meets smooth functions only, and tells when to hold anew.
+    (teeth that separate, clearances that close) follow the state x: the right-hand side or its slope jumps where they
+    change. ``hold`` fixes them, so that a solver sees smooth functions only, and returns when to hold again.
 
     An object belongs to one thread at a time, since its calls share memory; make one for each thread. Making it,
     ``x0``, ``sizes`` and the first ``hold`` use CasADi, which serves one thread only; all other calls let other threads
@@ -81,7 +81,7 @@ class Dynamics:
         Names in the order of x, p and the columns of ``outputs``; the latter as QUANTITY:ITEM.
     events
         For ``solve_ivp(events=...)``: one a border of a regime, and where the reference speed is free two a mesh,
-        since no kinematics knows when their teeth come and go.
+        since kinematics does not give their switching instants.
 
     Raises
     ------
@@ -117,7 +117,7 @@ class Dynamics:
         raise LtcgearError("Dynamics cannot be copied or sent to a process; make another: Dynamics(library, values)")
 
     def _lay_out(self) -> None:
-        """Give the C its sizes, what stays, and room to work in."""
+        """Set the C's sizes, constants and work arrays."""
         state, share, manifest = self._state, self._callee.share, self.library.manifest
         n, meshes, holds, signals = (
             len(part) for part in (manifest.states, manifest.levels, manifest.holds, manifest.signals)
@@ -258,16 +258,16 @@ class Dynamics:
         return self._point.scale
 
     def hold(self, t: float, x: Vector, p: Vector | None = None) -> float:
-        """Hold levels, regimes and the slopes of load signals as they are from now on.
+        """Hold levels, contact states and the slopes of load signals from now on.
 
         Until the time that is returned, or until one of ``events`` falls to zero if that is earlier, the functions are
-        smooth and are those of the model. Integrate up to there, hold anew and start again. At a border the side
+        smooth and are those of the model. Integrate up to there, hold again and restart. At an event the side
         counts to which the motion goes.
 
         Returns
         -------
         float
-            The next time [s] at which teeth come or go or a table bends, infinite where nothing is known to.
+            The next known time [s] of a switching or of a knot in a table, infinite if there is none.
         """
         state, arrays, signals = self._state, self._arrays, self._signals
         t = read_time(t)
@@ -294,7 +294,7 @@ class Dynamics:
         self._state.held = self._state.sided = 0
 
     def borders(self, t: float, x: Vector, p: Vector | None = None) -> Vector:
-        """Return how far a state is from the borders of ``events``, positive inside what is held, shape (events,)."""
+        """Return the event functions of ``events`` at a state, positive on the held side, shape (events,)."""
         if not self._state.held:
             raise LtcgearError("borders are those of what is held: call hold(t, x) first")
         slack = self._slack  # found with the C's own arrays, so before the state is given
@@ -302,7 +302,7 @@ class Dynamics:
         return np.asarray(self._arrays["distances"][: len(self.events)] + slack)
 
     def _choose_sides(self, t: float) -> None:
-        """Take the sides of regimes: those of before, unless the state is beyond a border, or on it and goes beyond."""
+        """Choose the contact states: the last ones, unless the state is beyond an event, or on it and moving on."""
         state, arrays = self._state, self._arrays
         if not state.n_holds:
             return
@@ -338,7 +338,7 @@ class Dynamics:
 
     @cached_property
     def _slack(self) -> Vector:
-        """Return how far beyond its border an event lies: what rests on a border does not cross it."""
+        """Return how far the state is beyond an event: what rests on it does not cross it."""
         x, t, moved = self._arrays["x"], float(self._state.base), []
         start, first = x.copy(), self._indicators(t)
         for i, scale in enumerate(self.sizes):

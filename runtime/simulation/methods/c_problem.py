@@ -91,7 +91,7 @@ def compiled_problem(library: Library) -> ca.Function:
 
 
 def _bound(model: list[int | None], path: Path) -> ca.Function:
-    """Load a problem and tell it where its model's functions are."""
+    """Load a problem and pass it the functions of its model."""
     ctypes.CDLL(str(path)).ltcgear_bind((ctypes.c_void_p * len(CALLED))(*model))
     return ca.external("dae", str(path))
 

@@ -60,7 +60,7 @@ class _Base:
         raise LtcgearError("a stepper keeps its own counts")
 
     def renumber(self, p: Vector) -> None:
-        """Go on with other parameters."""
+        """Continue with other parameters."""
         self.part["p"][:] = p
 
     def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
@@ -83,7 +83,7 @@ class _SundialsStepper(_Base):
     """CasADi's name of it."""
 
     def _options(self) -> Options:
-        """Return the options that it has beside those of all."""
+        """Return its options in addition to the common ones."""
         return {"min_step_size": SMALLEST}
 
     def _make(self) -> ca.Function:

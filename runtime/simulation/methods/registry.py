@@ -1,6 +1,6 @@
 """Registry of the integrators: what each of them is and can, in one record.
 
-A record names its stepper and does not import it: commands tell the names before anything heavy is loaded, and a
+A record names its stepper and does not import it: commands list the names before anything heavy is loaded, and a
 package that is optional is imported by those who use it only.
 """
 
@@ -29,7 +29,7 @@ class Method:
     name, about
         What it is called, and what it is.
     stepper
-        Module of this room and class in it; None for one that the compiled march has in itself.
+        Module of this room and class in it; None for the method built into the C.
     explicit
         Whether its step is bound by the fastest motion, whether or not that vibrates.
     multistep
@@ -41,7 +41,7 @@ class Method:
     unresolved
         What a segment's nodes may miss, over rtol; more where the method's own errors are larger.
     segment_operations
-        Operations in the time that a segment takes beside its steps (measured).
+        Operations in the time that a segment takes in addition to its steps (measured).
     package
         The module that it needs and that is not always installed.
     """
@@ -59,16 +59,16 @@ class Method:
 
     @property
     def in_march(self) -> bool:
-        """Tell whether the compiled march has it in itself: its runs go on side by side, none needs the interpreter."""
+        """Return whether it is built into the C: its runs can be parallel, since they do not need the interpreter."""
         return self.stepper is None
 
     @property
     def installed(self) -> bool:
-        """Tell whether the package that it needs is there."""
+        """Return whether the package that it needs is installed."""
         return self.package is None or find_spec(self.package) is not None
 
     def make(self, problem: "SegmentProblem") -> "Stepper | None":
-        """Make its stepper; None where the march has it in itself."""
+        """Make its stepper; None for the method built into the C."""
         if self.stepper is None:
             return None
         module, name = self.stepper.split(".")

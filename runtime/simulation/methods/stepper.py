@@ -51,7 +51,7 @@ class SegmentProblem:
     nodes
         Output times within a segment, in 0..1 with 1 last, shape (m,).
     events
-        The borders of the cells that the motion is in, for a stepper that finds them.
+        The event functions, for a stepper with root finding.
     """
 
     library: Library
@@ -65,14 +65,14 @@ class SegmentProblem:
 class Stepper(Protocol):
     """Integrates one segment.
 
-    One that ``finds_borders`` is not told when the next switching is due, and ends its arc where it finds it.
+    One that ``finds_borders`` is not given the next switching instant, and ends its segment where it finds an event.
 
     Attributes
     ----------
     counts
         What it has cost so far.
     last
-        The step it begins the next segment with [s], all that it remembers; 0 where it remembers nothing.
+        First step of the next segment [s], its only state; 0 without state.
     """
 
     counts: Counts
@@ -86,4 +86,4 @@ class Stepper(Protocol):
         """
 
     def renumber(self, p: Vector) -> None:
-        """Go on with other parameters, shape (n_p,)."""
+        """Continue with other parameters, shape (n_p,)."""

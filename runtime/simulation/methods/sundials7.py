@@ -1,7 +1,7 @@
 """SUNDIALS 7 CVODE by scikit-sundae: the independent integrator.
 
-It goes on from arc to arc without a restart, and restarts where the motion's laws change. It is not told where
-a switching is due: its own root finding stops it where an event function falls to zero.
+It continues from segment to segment without a restart, and restarts where the equations change. It is not given the
+switching instants: its root finding stops it where an event function falls to zero.
 """
 
 import os
@@ -47,7 +47,7 @@ def interpolate(times: Vector, values: Vector, wanted: Vector) -> Vector:
 
 
 class SundaeStepper:
-    """CVODE's BDF in steps of its own choice; nodes are read between its steps."""
+    """CVODE's BDF with its own steps; nodes are interpolated between them."""
 
     finds_borders = True
 
@@ -80,7 +80,7 @@ class SundaeStepper:
         self.now, self.border, self.evaluations = 0.0, np.inf, (0, 0)
 
     def renumber(self, p: Vector) -> None:
-        """Go on with other parameters; a motion under other laws is begun anew."""
+        """Continue with other parameters; restart if the equations change."""
         if not np.array_equal(p, self.part["p"]):
             self.part["p"][:], self.left = p, None
 
@@ -94,7 +94,7 @@ class SundaeStepper:
         matrix[self.entries] = self.jacobian(t, y[:-1], self.parameters)[0]
 
     def _make_distances(self) -> Callable[[float, Vector, Vector], None]:
-        """Return the event functions as CVODE asks for them, which counts them where they fall to zero only."""
+        """Evaluate the event functions for CVODE, which detects falling zeros only."""
 
         def distances(t: float, y: Vector, out: Vector) -> None:
             out[:] = self.events.distances(self.frame.origin + self.frame.scale * y[:-1], self._signals(t))
@@ -109,7 +109,7 @@ class SundaeStepper:
         return s
 
     def advance(self, z: Vector, duration: float, origin: Vector, s: Vector, slope: Vector = CONSTANT) -> Arc:
-        """Return the motion from z on, up to the first border; it goes on where it is, if nothing has changed."""
+        """Return the motion from z up to the first event; continue without a restart if nothing has changed."""
         if not self._goes_on(z, origin, s, slope):
             self._restart(z, origin, s, slope)
         start = self.now
@@ -124,7 +124,7 @@ class SundaeStepper:
         return Arc(end - start, path[:, :-1], path[:, -1] - path[0, -1])
 
     def _goes_on(self, z: Vector, origin: Vector, s: Vector, slope: Vector) -> bool:
-        """Say whether a motion is the last one's continuation: same state, same laws, no border met."""
+        """Return whether a motion continues the last one: same state, same equations, no event."""
         part = self.part
         return (
             self.left is not None
@@ -136,7 +136,7 @@ class SundaeStepper:
         )
 
     def _restart(self, z: Vector, origin: Vector, s: Vector, slope: Vector) -> None:
-        """Begin anew at CVODE's time zero."""
+        """Restart at CVODE's time zero."""
         part = self.part
         part["origin"][:], part["s"][:], part["slope"][:] = origin, s, slope
         y = np.append(z, 0.0)
@@ -149,7 +149,7 @@ class SundaeStepper:
         self.now, self.border, self.evaluations = 0.0, np.inf, (0, 0)
 
     def _proceed(self, end: float) -> float:
-        """Take steps until a time is reached or a border is met; return where."""
+        """Take steps until a time or an event is reached; return that time."""
         times, values = [], []
         reached = float(self.times[-1])
         with redirect_stdout(StringIO()):  # scikit-sundae prints what it returns as a message

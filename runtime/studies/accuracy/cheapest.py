@@ -11,7 +11,7 @@ Data = Mapping[str, Any]
 
 
 def find_cheapest(record: Data, limit: float) -> Data | None:
-    """Return the point of a record that meets an error in the least time, None where none does.
+    """Return the point of a record that meets an error in the least time, None if none does.
 
     An error counts with the reference's own uncertainty on top.
 

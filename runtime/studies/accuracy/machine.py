@@ -34,7 +34,7 @@ def _processor() -> str:
 
 
 def _version(name: str) -> str | None:
-    """Return the version of a package, None where it is not installed."""
+    """Return the version of a package, None if it is not installed."""
     try:
         return version(name)
     except PackageNotFoundError:

@@ -9,7 +9,7 @@ from ...simulation.trajectory import Trajectory
 from ..selftest.case import Bench
 
 FEWEST = 64
-"""Samples below which a time is too short to tell anything."""
+"""Samples below which a time is too short to be judged."""
 
 
 class OutOfTimeError(SolverError):

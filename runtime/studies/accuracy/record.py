@@ -54,7 +54,7 @@ def to_text(record: Data) -> str:
 
 
 def to_csv(record: Data) -> str:
-    """Return the points as CSV, a row each; units stand in the heading."""
+    """Return the points as CSV, one per row, with units in the header."""
     counts = list(dict.fromkeys(name for point in record["points"] for name in point["counts"]))
     heading = ["method", "rtol", "reason", "trusted", *KINDS, "seconds", "median", "user", "rounds", *counts]
     text = io.StringIO()

@@ -38,7 +38,7 @@ class Reference:
     Attributes
     ----------
     samples
-        What is compared, of the first run; None where there is no reference.
+        What is compared, of the first run; None if there is no reference.
     runs
         Method, tolerance and seconds of both runs.
     uncertainty
@@ -50,7 +50,7 @@ class Reference:
     failures
         What did not get there, and why.
     exact
-        Errors of the first run against the exact motion, None where the model is not linear between jumps.
+        Errors of the first run against the exact motion, None if the model is not linear between jumps.
     reading
         What both runs may have in common, since they read samples between the same nodes: ``READING`` where they do.
     """
@@ -125,7 +125,7 @@ def find_reference(bench: Bench, patience: Patience, *, t_end: float, rate: floa
 def _tightest(
     bench: Bench, patience: Patience, method: str, failures: list[str], **times: float
 ) -> list[tuple[str, float, Trajectory]]:
-    """Return method, tolerance and run at the tightest tolerance that the method can meet; none where it meets none."""
+    """Return method, tolerance and run at the tightest tolerance that the method achieves; none if there is none."""
     for rtol in RTOLS:
         try:
             return [(method, rtol, patience.run(bench, method, rtol, t_end=times["t_end"], rate=times["rate"]))]
@@ -153,14 +153,14 @@ def judge(samples: list[ComparedSamples], found: Reference, t_end: float) -> Ref
 
 
 def _reading(bench: Bench, methods: list[str]) -> float:
-    """Return what two runs may have in common: samples are read between nodes where anything switches or bends."""
+    """Return the error that two runs may share: samples are interpolated between nodes where anything switches."""
     manifest = bench.library.manifest
     between = manifest.levels or manifest.signals or manifest.holds
     return READING if between and len({METHODS[method].multistep for method in methods}) == 1 else 0.0
 
 
 def _exact(bench: Bench, path: Trajectory, samples: ComparedSamples) -> Errors | None:
-    """Return the errors of a run against the exact motion; None where there is no such motion."""
+    """Return the errors of a run against the exact motion; None if there is no such motion."""
     try:
         exact = Exact(bench.point)
     except LtcgearError:

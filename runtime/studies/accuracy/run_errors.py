@@ -83,8 +83,8 @@ def find_errors(reference: ComparedSamples, run: ComparedSamples) -> Errors:
     Returns
     -------
     dict
-        By kind (see ``KINDS``) a dict of its ``value``, the worst element ``item`` and more of it, None where the
-        scene has nothing of the kind or it stands still; ``apart``, the share of samples left out.
+        By kind (see ``KINDS``) a dict of its ``value``, the worst element ``item`` and more of it, None if the
+        scene has nothing of the kind or it is constant; ``apart``, the share of samples left out.
     """
     together = (reference.levels == run.levels).all(axis=1)
     found: Errors = dict.fromkeys(KINDS) | {"apart": float(1 - together.mean())}
@@ -102,13 +102,13 @@ def find_errors(reference: ComparedSamples, run: ComparedSamples) -> Errors:
 
 
 def value_of(errors: Errors, kind: str) -> float | None:
-    """Return the worst error of a kind; None where there is none."""
+    """Return the worst error of a kind; None if there is none."""
     entry = errors.get(kind)
     return None if entry is None else float(entry["value"])
 
 
 def _floors(reference: ComparedSamples) -> dict[str, float]:
-    """Return by kind the vibration below which a signal stands still: forces that cancel leave rounding only."""
+    """Return by kind the vibration below which a signal is constant: forces that cancel leave rounding only."""
     sizes = {
         kind: max((float(np.abs(signal).max()) for signal in signals.values()), default=0.0)
         for kind, signals in reference.signals.items()

@@ -36,7 +36,7 @@ class Setting:
         )
 
     def to_json(self) -> Data:
-        """Return what a summary tells of it."""
+        """Return its entry in a summary."""
         return {
             "asked": self.asked, "expected": self.expected, "measure": self.measure, "record": self.record,
             "over_s": self.over, "warning": self.warning,

@@ -17,7 +17,7 @@ from .sweep import ROUNDS, Point, Sweep, time_call
 
 Data = dict[str, Any]
 AUTO_RTOL = 1e-6
-"""Tolerance for which the record tells what ``--method auto`` takes."""
+"""Tolerance for which the record has the choice of ``--method auto``."""
 PILOT = 0.15
 """Share of the patience in which ``auto`` must reach the end; else less time is simulated."""
 REFERENCE_PATIENCE = 4.0

@@ -20,7 +20,7 @@ from .run_errors import Errors, find_errors, take_samples
 ROUNDS = 7
 """Timed runs of a point, besides the first."""
 BATCH, BLOCKS = 32, 40
-"""Right-hand sides that Python calls at once, and how often; the least time counts."""
+"""Right-hand sides per timed call from Python, and number of calls; the least time counts."""
 Told = Callable[[float], None]
 
 

@@ -23,7 +23,7 @@ GAP = "0.1 mm"
 def allowed(method: str, limit: float) -> float:
     """Return the limit of a one-step method, or that of a multistep one at the same tolerance.
 
-    These keep the error of a step below their tolerance, not that of a swing, and begin anew with small steps of low
+    These control the error of a step, not of an oscillation, and restart with small steps of low
     order after every parting. On a swing without any, BDF at 1e-9 loses 1e-7 of the energy, ``erk`` 1e-9.
     """
     return 20 * limit if METHODS[method].multistep else limit
@@ -226,7 +226,7 @@ def check_flanks(opened: Open, method: str, long: bool) -> Iterable[Finding]:
 
 
 def no_pull(path: Trajectory, forces: Sequence[Vector], size: float) -> Iterable[Finding]:
-    """Find how far flanks pull, between samples and at them, and push at once, over a force."""
+    """Return the tension of flanks, at samples and between, and their simultaneous force, over a force."""
     yield Finding("largest pull between samples", -path.extremes.lowest.min() / size, PARTING)
     yield Finding("largest pull at samples", -min(float(force.min()) for force in forces) / size, PARTING)
     yield Finding("force on both flanks at once", float(np.min(forces, axis=0).max()) / size, PARTING)

@@ -26,7 +26,7 @@ SAMPLES, FINE = 40, 160
 """Samples in a natural period: for sweeps, and where amplitudes are compared (read to 1e-4 then)."""
 RTOL = 1e-8
 JUMP = 0.2
-"""Amplitude that tells the branches apart at both jumps: below it the small one, above it the large one."""
+"""Amplitude that separates the branches at both jumps: below it the small one, above it the large one."""
 SHORT_SWEEP = ((200.0, 2200.0, 2400.0, 5900.0), (0.75, 0.95, 0.95, 0.60), 6000.0)
 LONG_SWEEP = ((300.0, 10300.0, 10600.0, 20600.0), (0.4, 1.4, 1.4, 0.4), 20700.0)
 """Knots over the time w t, frequencies over w, and the end: 1e-4 of w in each unit of time, up and back."""
@@ -173,7 +173,7 @@ def staircase(frequencies: Sequence[float]) -> tuple[tuple[float, ...], tuple[fl
 
 
 def check_rattle(opened: Open, method: str, long: bool) -> Iterable[Finding]:
-    """Let a pair rattle from flank to flank: no tooth pulls, and the two flanks never push at once."""
+    """Let a pair rattle from flank to flank: no force is tensile, and never do both flanks carry load."""
     scene = DeadBand(opened("hard-dead-band", {}))
     bench = scene.bench
     wide = {**bench.values, "pair.mesh.transmission_error_cos_1": scene.half}

@@ -58,11 +58,11 @@ def _there_and_back(open_: Open, method: str, half: float) -> Iterator[Finding]:
 
 
 BORDERS = (0.0, 0.4, 0.0, 0.4)
-"""Borders of the sun's and the ring's meshes [pitches of the sun's]: 0.6 + 0.4 and 0.6 + 0 ahead are 0 and 0.4."""
+"""Switchings of the sun's and the ring's meshes [pitches of the sun's]: 0.6 + 0.4 and 0.6 + 0 ahead are 0 and 0.4."""
 
 
 def _borders(tau: float, border: float) -> int:
-    """Return how many borders lie between 0, which does not count, and a phase."""
+    """Return the number of switching points between 0, which does not count, and a phase."""
     return int(np.floor(tau - border) - np.floor(-border))
 
 

@@ -1,4 +1,4 @@
-"""Hard cases at the limits: stiff beside soft, light beside heavy, members that nothing holds, gears that collide."""
+"""Hard cases at the limits: stiff and soft, light and heavy parts, unsupported members, colliding gears."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -89,7 +89,7 @@ def _tiny_inertia(open_: Open, method: str, full: bool) -> Iterator[Finding]:
 
 
 def _tiny_inertia_long(open_: Open, method: str, full: bool) -> Iterator[Finding]:
-    """Let the damped swing die away for a minute; the disc's own motion decays within 1e-11 s."""
+    """Let the damped oscillation decay for a minute; the disc's own motion decays within 1e-11 s."""
     bench = open_("hard-tiny-inertia", {})
     size, place = 1e-4, _state(bench, "rotor.u")
     path = _pushed(bench, size).run(method, t_end=60.0, rate=2.0, rtol=1e-6)

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 ALPHA = 20 * pi / 180
-"""Pressure angle of the shipped scene, whose gears stand at their nominal centre distance."""
+"""Pressure angle of the shipped scene, whose gears are at their nominal centre distance."""
 
 
 @dataclass(frozen=True)

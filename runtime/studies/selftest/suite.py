@@ -18,7 +18,7 @@ OK, SLOW, WRONG, REFUSED = VERDICTS = ("ok", "slow", "wrong", "refused")
 SLOWER = 30.0
 """A right method is slow if it takes more than this many times the seconds of the fastest right one."""
 NO_METHOD = "-"
-"""Stands for the method of a case in which nothing is integrated."""
+"""Placeholder for the method of a case without integration."""
 
 
 @dataclass(frozen=True)

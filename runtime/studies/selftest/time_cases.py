@@ -30,7 +30,7 @@ FREE = {
 }
 """A gear on its mesh alone, without load: Hill's equation with two levels of stiffness (Meissner's)."""
 POINTS = ((2.0, "0.005"), (2.05, "0.01"), (2.1, "0.005"), (2.05, "0.02"))
-"""Mesh frequency over natural frequency and damping ratio: grows fast, grows slowly, beside the tongue, damped away."""
+"""Mesh frequency over natural frequency and damping ratio: fast growth, slow growth, outside the tongue, damped."""
 TEETH = 59
 RTOL, PUSH = 1e-8, 1e3
 """Tolerance, and the first deflection in sizes that tolerances refer to."""

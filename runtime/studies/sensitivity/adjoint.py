@@ -42,7 +42,7 @@ class OutputDerivative:
     pieces, steps
         Smooth pieces of the run, and steps back.
     one_sided
-        Parameters whose derivative holds to one side only: they move a mesh phase off the border where it starts.
+        Parameters with a one-sided derivative: they move a mesh phase off the switching point where it starts.
     edges
         Ends of the window [s] on which a jump falls: there all derivatives hold to one side only.
     """

@@ -1,4 +1,4 @@
-"""Adjoint integration along one arc, in C, with derivatives written by CasADi."""
+"""Adjoint integration along a smooth segment, in C, with derivatives by CasADi."""
 
 import ctypes
 from functools import partial
@@ -34,7 +34,7 @@ class AdjointStruct(ctypes.Structure):
 
 
 class Backward:
-    """The adjoint of a course, arc by arc.
+    """The adjoint along a stored run, segment by segment.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def report_gradient(library: Library, output: int) -> ca.Function:
     Raises
     ------
     LtcgearError
-        If y is a step, whose instants nothing tells.
+        If y is a step function, whose instants are unknown.
     """
     graph = library.graphs["outputs"]
     point = [ca.SX.sym(graph.name_in(i), graph.sparsity_in(i)) for i in range(graph.n_in())]
@@ -152,7 +152,7 @@ def report_gradient(library: Library, output: int) -> ca.Function:
 
 
 def _sees(y: ca.SX, x: ca.SX) -> bool:
-    """Tell whether an expression holds any of some symbols, if only within a step."""
+    """Return whether an expression contains any of some symbols, even within a step function."""
     return bool({v.element_hash() for v in ca.symvar(y)} & {v.element_hash() for v in ca.vertsplit(x)})
 
 

@@ -1,4 +1,4 @@
-"""Forward run of the adjoint, kept arc by arc."""
+"""Forward run of the adjoint, stored segment by segment."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -36,7 +36,7 @@ class Piece:
     p
         Parameters: those of the run with the turns that were taken off and the sides that are held.
     cells, sides
-        Cells of the mesh phases, and sides of the borders.
+        Cells of the mesh phases, and states of the contacts.
     crossed
         Per mesh the cell that is entered at its end less that which is left: 0, 1 or -1.
     """
@@ -87,7 +87,7 @@ class Course:
 
 
 def follow_course(point: OperatingPoint, settings: RunSettings) -> Course:
-    """Integrate from the equilibrium and keep every arc.
+    """Integrate from the equilibrium and store every segment.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def follow_course(point: OperatingPoint, settings: RunSettings) -> Course:
 
 
 def _piece(march: March, start: float) -> Piece:
-    """Keep the arc that the march has just been through."""
+    """Store the segment just integrated."""
     arrays: dict[str, Any] = march.native.arrays
     sides, cells = arrays["arc_sides"].copy(), arrays["arc_cells"].copy()
     p = march.p.copy()

@@ -22,9 +22,9 @@ Vector = NDArray[np.float64]
 SIGNS = {"max": 1.0, "min": -1.0}
 """The measures that are extremes, and what turns each into a maximum."""
 COUNT = 32
-"""Intervals between the points of a piece at which an output is looked at."""
+"""Intervals between the points of a piece at which an output is evaluated."""
 RIVALS = 8
-"""Pieces with the highest points that are looked at closely."""
+"""Number of pieces with the highest points that are refined."""
 SHARP = 1e-13
 """How well the place of an extreme is found, over the length of its piece."""
 
@@ -131,7 +131,7 @@ def _points(first: float) -> Vector:
 
 
 def _side(course: Course, piece: int, part: float, first: float) -> str:
-    """Tell whether a place is an end of its piece that is no end of the window."""
+    """Return whether an instant is an end of its piece but not of the window."""
     if part == 0.0 and first == 0.0 and piece > 0:
         return "start"
     return "end" if part == 1.0 and piece < len(course.pieces) - 1 else "inside"

@@ -1,7 +1,7 @@
 """Adjoint jump conditions where stiffness or a regime changes.
 
-At an instant t* with h(x, p) = 0 the motion bends: dx+ = dx- + (f- - f+) dt*, dt* = - (h_x dx- + h_p dp) / h', the
-saltation of Hiskens and Pai (2000). The adjoint is its transpose, with what is gained or lost of the output beside.
+At an instant t* with h(x, p) = 0 the rates jump: dx+ = dx- + (f- - f+) dt*, dt* = - (h_x dx- + h_p dp) / h', the
+saltation of Hiskens and Pai (2000). The adjoint is its transpose, plus the gain or loss of the output.
 """
 
 from collections.abc import Iterator
@@ -75,7 +75,7 @@ class Jumps:
     ) -> None:  # fmt: skip
         """Take adjoint and gradient from after the end of a piece to before it.
 
-        ``shifted`` is the rate of an output that is looked at just after the last change [1/s].
+        ``shifted`` is the rate of an output evaluated just after the last change [1/s].
 
         Raises
         ------
@@ -99,7 +99,7 @@ class Jumps:
         return np.concatenate([np.zeros(self.levels), piece.slope])
 
     def _approach(self, piece: Piece, rate: float) -> float:
-        """Return the rate at which a border is crossed at the end of a piece; it must not be zero."""
+        """Return the rate of the event function at the end of a piece; it must not be zero."""
         if rate == 0.0:
             raise SolverError(
                 f"at t = {piece.start + piece.duration:.6g} s the motion only touches a border, so that nothing "
@@ -108,9 +108,9 @@ class Jumps:
         return rate
 
     def one_sided(self, first: Piece) -> list[str]:
-        """Name the parameters that move a mesh phase off the border where it starts.
+        """Name the parameters that move a mesh phase off the switching point where it starts.
 
-        The derivative given is that of a phase that has gone on: for one that is behind, the jump at the border lies
+        The derivative given is that of a slightly larger phase: for a smaller one, the jump lies
         within the run.
         """
         tau, rate, share = (part.copy() for part in self.phases(first.x[0], first.s, first.p))
@@ -132,7 +132,7 @@ class Jumps:
     def _steps(
         self, before: Piece, after: Piece, setting: Setting
     ) -> Iterator[tuple[tuple[Vector, Vector, Vector], Setting, Setting]]:
-        """List what changes, one after the other: gradient of its border, and levels and parameters on both sides.
+        """List the changes in order: gradient of the event function, and levels and parameters on both sides.
 
         Sides that change with a level, since forces jump with it, do so at the level's instant.
         """
@@ -160,7 +160,7 @@ class Jumps:
             setting = (setting[0], p)
 
     def _border(self, x: Vector, setting: Setting, mesh: int, border: int) -> tuple[Vector, Vector, Vector]:
-        """Return the gradient of a mesh phase less a border, counted as the cell that begins there."""
+        """Return the gradient of a mesh phase less a switching point, given as the cell that starts there."""
         weights = np.zeros(2 * self.levels)
         weights[mesh], weights[self.levels + mesh] = 1.0, -float(border % 2)
         h_x, h_s, h_p = (part.copy() for part in self.phase(x, *setting, weights))

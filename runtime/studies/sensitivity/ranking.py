@@ -28,7 +28,7 @@ class ParameterInfluence:
     derivative
         Change of the number over that of the parameter, SI.
     relative
-        Change in percent for one percent of the parameter; None where either is zero.
+        Change in percent for one percent of the parameter; None if either is zero.
     beside
         Derivatives of other numbers by name, times the parameter for a size (change for 100 %).
     """

@@ -20,14 +20,14 @@ Vector = NDArray[np.float64]
 MEASURES = ("mean", "rms", "vibration", *SIGNS)
 """Mean; root mean square about zero; root mean square about the mean; largest and smallest value."""
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
-"""Intervals between the points of a piece at which an output is looked at, one after the other."""
+"""Intervals between the points of a piece at which an output is evaluated."""
 EXACT, STILL = 1e-11, 1e-12
 """Change of the mean square that ends that; RMS over mean from which an output counts as varying."""
 
 
 @dataclass(frozen=True)
 class Worth:
-    """A measure of an output y, and its derivative: dJ = integral of (a + b y) dy dt over the window, or dy at once.
+    """Measure of an output y and its derivative, dJ = integral of (a + b y) dy dt over the window or dy at one instant.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Worth:
     start, end
         The window [s].
     instant
-        Where the extreme lies whose dy is all that counts; None for what is an integral.
+        Instant of the extreme; None for an integral.
     """
 
     value: float
@@ -108,7 +108,7 @@ def _values(course: Course, batch: Batch, piece: Piece, output: int, start: floa
     """Return an output at points of a piece, or of what lies of it in the window, and quadrature weights [s].
 
     An output may vary faster than the motion, as stiffness and errors over the mesh phase do: points are added until
-    the mean square stands still.
+    the mean square is constant.
     """
     first = min(max((start - piece.start) / piece.duration, 0.0), 1.0)
     if first >= 1.0:

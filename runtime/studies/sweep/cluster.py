@@ -105,7 +105,7 @@ class Cluster:
             self._clear(lambda: self.client.cancel(list(under_way)))
 
     def _wait(self, under_way: set[Any]) -> set[Any]:
-        """Return the points that are done, one at least; tell once that there is nobody to do them."""
+        """Return the finished points, at least one; report once if there are no workers."""
         first: Any = wait  # which has no types
         while True:
             with suppress(TimeoutError), self.client.as_current():
@@ -123,7 +123,7 @@ class Cluster:
 
     @contextmanager
     def _told_if_lost(self) -> Iterator[None]:
-        """Say that the scheduler is lost, and how to go on."""
+        """Return the message of a lost scheduler, with how to resume."""
         try:
             yield
         except LOST as error:

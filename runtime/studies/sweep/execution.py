@@ -18,7 +18,7 @@ DIED = "the process died that computed this point, twice; {}"
 KILLED = "killed"
 """Status of a point whose process was killed from outside, twice."""
 SIGNAL = re.compile(r"([A-Z]+)\(-?\d+\)")
-"""How joblib tells by what a process ended."""
+"""How joblib reports what ended a process."""
 
 
 class Pool(Protocol):
@@ -114,7 +114,7 @@ def check_joblib() -> None:
 
 
 def compute_points(plan: Plan, points: Sequence[int], pool: Pool) -> Iterator[PointOutcome]:
-    """Compute points; they come as they are done.
+    """Compute points and yield them as they finish.
 
     Where a worker dies, the points that were under way are computed again one by one, so that the one that kills its
     worker is known. One that crashes it gets a reason in place of numbers; one whose worker is killed from outside, as
@@ -148,7 +148,7 @@ def _run_alone(server: Server, name: str, point: int, deaths: tuple[type[Excepti
 
 @contextmanager
 def _without_interrupts() -> Iterator[None]:
-    """Hold Ctrl-C back while processes start: they inherit that, and leave it to the one that leads for good."""
+    """Block Ctrl-C while processes start: they inherit this and leave it to the main process."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

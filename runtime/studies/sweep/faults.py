@@ -25,7 +25,7 @@ def describe(error: BaseException) -> str:
 
 @contextmanager
 def own_reason(noted: Callable[[str], None] = lambda reason: None) -> Iterator[None]:
-    """Go on after what is a point's own reason, which is told where that point is computed; not after the machine's."""
+    """Continue after a point's own failure, which is reported where it is computed; not after a machine fault."""
     try:
         yield
     except LtcgearError as error:

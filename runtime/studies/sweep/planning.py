@@ -36,7 +36,7 @@ FIXED = ("simulation",)
 
 
 def choose_common_rate(maker: Maker, points: Sequence[Mapping[str, str]]) -> float:
-    """Choose one sampling rate for all points [Hz]: the highest that some of them, their ends among them, call for."""
+    """Choose one sampling rate for all points [Hz]: the highest needed by a selection that includes the ends."""
     found, reasons = list[float](), list[str]()
     for changes in [*points[: MOST_TRIED - 1], *points[MOST_TRIED - 1 :][-1:]]:
         with own_reason(reasons.append):
@@ -76,7 +76,7 @@ def check_points(maker: Maker, design: Design) -> Keys:
 
 
 def _list_checked(design: Design) -> list[dict[str, str]]:
-    """Return the changes of points that stand for all: the axes' ends, or, where draws have no ends, the middle."""
+    """Return the changes of representative points: the ends of axes, or the mean of draws without ends."""
     if design.sample != "normal":
         return design.ends()
     spread = np.array([0.0 if axis.crossed else 1 / (axis.high or 1.0) for axis in design.axes])
@@ -113,7 +113,7 @@ def make_plan(
 
 
 def _list_variants(maker: Maker, design: Design, taken: Keys) -> dict[str, dict[str, str]]:
-    """Return the structures that lists and ends of axes call for: the key of each and the changes of a point."""
+    """Return the structures needed by lists and ends of axes: the key of each and the changes of a point."""
     lists = [k for k, axis in enumerate(design.axes) if axis.items]
     found = np.unique(design.values[:, lists], axis=0, return_index=True)[1] if lists else [0]
     variants: dict[str, dict[str, str]] = {}

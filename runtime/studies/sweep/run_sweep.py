@@ -85,7 +85,7 @@ def sweep(
     skip
         Numbers of points that are left out: rows that say so, as of those that failed.
     long
-        Begin runs too that are reckoned to take more than an hour; else they are points that fail.
+        Allow runs estimated to take more than an hour; otherwise such points fail.
     told
         Called with a stage (``build`` or ``simulate``), how much of it is done, its total, and failed points so far.
 
@@ -171,7 +171,7 @@ def _write_axis(axis: Mapping[str, Any]) -> str:
 
 
 def _attributes(plan: Plan) -> dict[str, Any]:
-    """Return what the file tells of scene and settings."""
+    """Return the file's attributes on scene and settings."""
     told = {name: value for name, value in plan.settings.identity().items() if name != "raw"}
     band = {} if plan.settings.raw else {"band_hz": BAND * plan.settings.sampling_rate}
     return to_attributes(plan.maker.about(), {**told, **band, "metrics": list(plan.metrics)})

@@ -39,7 +39,7 @@ def summarise(dataset: xr.Dataset) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``points``, ``failed``, ``reasons`` (text -> runs), ``warned`` (runs; None where an older file kept none),
+        ``points``, ``failed``, ``reasons`` (text -> runs), ``warned`` (runs; None if an older file kept none),
         ``warnings`` (see `gather_warnings`), ``metrics`` (metric -> unit and, by item or for the
         number itself, `STATISTICS` over the points that are done; NaN is null) and, of the sample ``saltelli``,
         ``influences`` (see ``influence.SobolIndices``) or, where too many runs failed for any, ``without_influences``,

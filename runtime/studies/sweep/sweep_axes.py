@@ -38,7 +38,7 @@ class SweepAxis:
     unit
         Unit as the scene writes it; "" for plain numbers and for a list of words.
     count
-        Points of a range that is spaced evenly; None where a sample fills it.
+        Points of a range that is spaced evenly; None if a sample fills it.
     items
         Values of a list, as written; empty for a range.
     """
@@ -70,7 +70,7 @@ class SweepAxis:
         return f"{number} {self.unit}".rstrip()
 
     def coordinate(self, values: Vector) -> tuple[NDArray[Any], dict[str, str]]:
-        """Return what a data set tells of some values: numbers, or words where the list has no numbers; attributes."""
+        """Return values as a data set holds them: numbers, or words where the list has no numbers; attributes."""
         if not self.items:
             return values, {"units": self.unit or "1", "key": self.key}
         read = [_split(item) for item in self.items]
@@ -166,7 +166,7 @@ def _read_items(text: str, label: str) -> tuple[str, ...]:
 
 
 def _split(text: str) -> tuple[float | None, str | None]:
-    """Split a number from its unit; None and None where there is no number."""
+    """Split a number from its unit; None and None if there is no number."""
     match = NUMBER.fullmatch(text)
     return (float(match[1]), match[2]) if match else (None, None)
 

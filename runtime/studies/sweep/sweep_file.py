@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 FORMAT = 2
-"""Form of the files; it is counted up when older ones can no longer be gone on with."""
+"""Version of the file format; it increases when older files can no longer be resumed."""
 READ = (1, FORMAT)
 """Forms that are read; the first kept no warnings."""
 LONGEST = 400
@@ -41,25 +41,25 @@ TEXTS = {"status": LONGEST, WARNINGS: 1000}
 """Columns of text, and how many bytes of each are kept."""
 LEFT_OUT = "and {} more warnings, for which the row has no room"
 KIND, ABOUT = "sweep_format", "sweep"
-"""Attributes that tell the form of a sweep's file, and of which sweep it is."""
+"""Attributes with the format version of a sweep's file and the identity of the sweep."""
 GO_ON = "run the same command again to go on"
 CURE = "give another -o, or delete it"
 CHECK = "check"
-"""Variable of a part with each row's check sum."""
+"""Variable of a part with each row's checksum."""
 
 
 class SweepPart(Part):
-    """Rows of a sweep under way; each bears a check sum, since they are taken up one by one."""
+    """Rows of a running sweep; each has a checksum, since they are read one by one."""
 
     goes_on = GO_ON
 
     def _sign(self, records: NDArray[np.void]) -> None:
-        """Put the check sum into each row."""
+        """Put the checksum into each row."""
         records[CHECK] = _sum_up(records, self.identity)
 
 
 def _sum_up(records: NDArray[np.void], identity: str) -> NDArray[np.int32]:
-    """Return the check sums of rows whose own is 0, those of their part only."""
+    """Return the checksums of rows whose own is 0, those of their part only."""
     begin = zlib.crc32(identity.encode())
     data = records.view(np.uint8).reshape(len(records), records.dtype.itemsize)
     return np.array([zlib.crc32(row.data, begin) for row in data], np.uint32).view(np.int32)
@@ -68,7 +68,7 @@ def _sum_up(records: NDArray[np.void], identity: str) -> NDArray[np.int32]:
 class Store:
     """The file of a sweep; rows are added in any order, and sealed when all are there.
 
-    Nobody else reads or writes it from the first look at it to the end.
+    It is locked from the first reading to the end.
 
     Attributes
     ----------
@@ -82,9 +82,9 @@ class Store:
     design, form
         Points, and a row without numbers.
     about
-        All that makes the sweep what it is, by name.
+        The settings that identify the sweep, by name.
     attributes
-        What the file shall also tell.
+        Further attributes of the file.
     retry
         Whether points that failed are missing, to be computed again.
 
@@ -113,7 +113,7 @@ class Store:
             raise
 
     def _begin(self, about: Mapping[str, Any]) -> None:
-        """Take up the rows that are there, and open the part for those that are missing."""
+        """Read the existing rows, and open the part for the missing ones."""
         path = part_of(self.target)
         remove_drafts(self.target, path)
         if is_forced():

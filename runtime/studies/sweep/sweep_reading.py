@@ -62,7 +62,7 @@ def is_done(dataset: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def list_warnings(dataset: xr.Dataset) -> list[tuple[str, ...]]:
-    """Return the warnings of each run; none where an older file kept none (see `keeps_warnings`)."""
+    """Return the warnings of each run; none if an older file kept none (see `keeps_warnings`)."""
     if not keeps_warnings(dataset):
         return [()] * dataset.sizes[POINT]
     return [tuple(str(lines).splitlines()) for lines in dataset[WARNINGS].values]

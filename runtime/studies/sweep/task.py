@@ -46,10 +46,10 @@ class Maker(Protocol):
         """Return a variant's C."""
 
     def times(self, changes: Mapping[str, str]) -> tuple[float, float | None]:
-        """Return the time to simulate [s] and the samples a second [Hz], None where they are to be chosen."""
+        """Return the time to simulate [s] and the samples a second [Hz], None if they are to be chosen."""
 
     def entries(self) -> dict[str, Any]:
-        """Return all that numbers depend on, by name."""
+        """Return all settings on which results depend, by name."""
 
     def about(self) -> dict[str, Any]:
         """Return what a file keeps of the scene."""
@@ -66,7 +66,7 @@ class PointOutcome(NamedTuple):
 
 @dataclass
 class Plan:
-    """All that it takes to compute any point of a sweep.
+    """Everything needed to compute any point of a sweep.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class Plan:
 
     @cached_property
     def places(self) -> dict[str, Vector | None]:
-        """Return where a variant's numbers stand in the row, by key; None where it has all of them in order."""
+        """Return the indices of a variant's numbers in the row, by key; None if it has all of them in order."""
         return {key: find_places(row, self.form) for key, row in self.rows.items()}
 
     def __getstate__(self) -> dict[str, Any]:
@@ -147,7 +147,7 @@ def flatten(row: "xr.Dataset") -> Vector:
 
 
 def find_places(row: "xr.Dataset", form: "xr.Dataset") -> Vector | None:
-    """Return which number of a row stands at each place of the form, NaN for none; None where all stand alike."""
+    """Return which number of a row belongs at each position of the form, NaN for none; None if all are in order."""
     numbered, count = row.copy(), 0
     for name, variable in row.data_vars.items():
         numbered[name] = variable.copy(
@@ -202,7 +202,7 @@ def keep_plan(name: str, data: bytes) -> None:
 def start_process(name: str, data: bytes) -> None:
     """Make a plan known to a process that does nothing else; Ctrl-C is for the one that started it.
 
-    Where that fails, the process lives on to tell why: its death would be taken for a point's fault.
+    If that fails, the process stays alive to report why: its death would be taken for a point's fault.
     """
     if current_thread() is main_thread():
         signal.signal(signal.SIGINT, signal.SIG_IGN)

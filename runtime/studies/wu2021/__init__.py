@@ -1,1 +1,1 @@
-"""Wu et al. 2021: what its 2 MW rig shows beside what was printed."""
+"""Wu et al. 2021: comparison of its 2 MW rig with the printed results."""

@@ -1,4 +1,4 @@
-"""Simulation of the 2 MW rig beside the numbers that its paper printed."""
+"""Comparison of a simulation of the 2 MW rig with the paper's printed numbers."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def published() -> dict[str, Any]:
 
 
 def compare(dataset: xr.Dataset, start_s: float | None = None) -> dict[str, Table]:
-    """Set a simulation beside Tables 7, 8 and 9 of Wu et al. 2021.
+    """Compare a simulation with Tables 7, 8 and 9 of Wu et al. 2021.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def _listed(frequencies: list[float]) -> str:
 
 
 def _own_lines(dataset: xr.Dataset, member: str, start: float) -> str:
-    """Named lines of the signal that stands for a member, one below the other."""
+    """Named lines of the signal that represents a member, one below the other."""
     found = position_spectrum(dataset, member, start)
     if found is None:
         return "not simulated"

@@ -118,7 +118,7 @@ def _explain(
 
 
 def _frequency(name: str, sources: Sources) -> float:
-    """Return the frequency that a name of ``name_line`` stands for [Hz]."""
+    """Return the frequency of a name given by ``name_line`` [Hz]."""
     known, total, sign = {**sources.carriers, **sources.meshes}, 0.0, 1.0
     order = 1.0
     for word in name.split():
@@ -159,7 +159,7 @@ def own_peak(
     dataset
         Result with accelerations.
     members
-        Members that stand for the position.
+        Members at the position.
     frequency_hz, start_s
         The line [Hz], and the first instant used [s].
 
@@ -167,7 +167,7 @@ def own_peak(
     -------
     (frequency, share) or None
         Of the highest peak within ``NEAR`` [Hz], a bin above both its neighbours, and its amplitude over that of the
-        strongest line up to 700 Hz; None where there is no peak of ``FAINT`` at least, or nothing was simulated.
+        strongest line up to 700 Hz; None if there is no peak of ``FAINT`` at least, or nothing was simulated.
     """
     from scipy.signal import find_peaks
 

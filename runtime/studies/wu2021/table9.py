@@ -14,7 +14,7 @@ MEAN_AIM, FACTOR_AIM = 0.03, 0.10
 
 
 def tell_loads(datasets: Mapping[str, "xr.Dataset"], start_s: float) -> list[dict[str, Any]]:
-    """Set the mesh forces of several runs beside Table 9.
+    """Compare the mesh forces of several runs with Table 9.
 
     Parameters
     ----------

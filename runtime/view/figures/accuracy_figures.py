@@ -1,4 +1,4 @@
-"""Figures of accuracy against time, one panel each and all on one sheet."""
+"""Figures of accuracy against time, one panel each and all in one figure."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def draw_all(record: Data, folder: Path, suffix: str = ".png") -> list[Path]:
 
 
 def draw_overview(record: Data, path: Path) -> Path:
-    """Draw all panels on one sheet."""
+    """Draw all panels in one figure."""
     figure = make_canvas(15.5, 9.0)
     for axes, draw in zip(figure.subplots(2, 3).flat, PANELS.values(), strict=True):
         draw(axes, record)
@@ -74,7 +74,7 @@ def _error(record: Data, point: Data) -> float:
 
 
 def _draw_curves(axes: Axes, record: Data, place: Callable[[Data], tuple[float, float]]) -> None:
-    """Draw a curve for each method; a gap where a point did not run, grey where the reference does not tell."""
+    """Draw a curve for each method; a gap where a point did not run, grey where the reference is too uncertain."""
     axes.set_xscale("log")
     axes.set_yscale("log")
     for method, points in _curves(record):
@@ -91,7 +91,7 @@ def _draw_curves(axes: Axes, record: Data, place: Callable[[Data], tuple[float, 
 
 
 def _finish(axes: Axes, title: str, x: str, y: str) -> None:
-    """Give axes a title, labels with units, a grid and a legend where there is something to tell."""
+    """Give axes a title, labels with units, a grid and a legend if there is anything to label."""
     axes.set_title(title, loc="left", fontsize=11)
     axes.set_xlabel(x)
     axes.set_ylabel(y)
@@ -103,7 +103,7 @@ def _finish(axes: Axes, title: str, x: str, y: str) -> None:
 
 
 def _error_axis(axes: Axes, record: Data) -> None:
-    """Let errors fall to the right, and mark the limits and what the reference does not tell."""
+    """Let errors fall to the right, and mark the limits and the uncertainty of the reference."""
     floor = record["reference"]["floor"]
     errors = [_error(record, point) for point in record["points"] if point["reason"] is None]
     known = [error for error in errors if isfinite(error)] or list(LIMITS)

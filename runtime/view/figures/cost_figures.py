@@ -1,4 +1,4 @@
-"""Figure of the cost of effects, beside the error of mesh forces without them."""
+"""Figure of the cost of effects and of the error of mesh forces without them."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def _draw_costs(axes: Axes, full: dict[str, Any], others: list[dict[str, Any]]) 
 
 
 def _draw_benefits(axes: Axes, others: list[dict[str, Any]]) -> None:
-    """Draw how far the mesh forces are off without each effect [%]; what does not change stands at the edge."""
+    """Draw how far the mesh forces are off without each effect [%]; unchanged forces are at the edge."""
     for number, (key, label, mark, colour) in enumerate(BENEFITS):
         found = [row["changes"][key] for row in others]
         sizes = [np.nan if value is None else max(100 * abs(value), SMALLEST) for value in found]

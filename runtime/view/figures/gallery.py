@@ -55,7 +55,7 @@ def draw_survey(found: Survey) -> Iterator[tuple[str, Figure]]:
 
 
 def _turns(found: Survey, group: str) -> FloatArray | None:
-    """Return the turns of a group's carrier, None where it stands or hardly turns."""
+    """Return the turns of a group's carrier, None if it is at rest or hardly turns."""
     turns = carrier_turns(found.span, read_train(found.span).stage(group))
     return turns if turns is not None and turns[-1] >= 1.0 else None
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 CYCLES = 6.0
 """Tooth meshes that a close look shows."""
 CLOSE = 0.04
-"""Part of a span that a close look at load shares shows."""
+"""Part of a span shown in the detail of load shares."""
 NAMES = 12
 """Curves in one figure at most."""
 
@@ -178,7 +178,7 @@ def draw_bearings(loads: Sequence[BearingLoad]) -> Figure:
 
 
 def carrier_turns(dataset: xr.Dataset, stage: str) -> FloatArray | None:
-    """Return the turns of a stage's carrier since the span's begin [1], shape (n,); None where it stands."""
+    """Return the turns of a stage's carrier since the start of the span [1], shape (n,); None if it is at rest."""
     name = read_train(dataset).part(stage, CARRIER)
     if name not in list_items(dataset, "twist"):
         return None

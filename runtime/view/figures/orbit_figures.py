@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 ACROSS = 4
-"""Panels beside each other."""
+"""Panels in a row."""
 MOST = 12
 REST = 1e-12
 """Largest distance of a member that is at rest [m]."""

@@ -136,7 +136,7 @@ def _mark_crossings(axes: Axes, data: Data, low: float, high: float) -> None:
 
 
 def _weak(crossing: Data, data: Data) -> bool:
-    """Tell whether an order hardly excites the mode it crosses."""
+    """Return whether an order hardly excites the mode it crosses."""
     key = "force" if any(c["force"] for c in data["crossings"]) else "force_per_um"
     if crossing["force_per_um"] is None:
         return False

@@ -1,4 +1,4 @@
-"""Figure of mode shapes: members as circles, displaced and turned, over where they stand."""
+"""Figure of mode shapes: members as circles, displaced and rotated, over their rest positions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ COLOURS = {
 
 
 def draw_shapes(linear: Linear, modes: list[Mode], numbers: list[int], title: str, path: Path) -> Path:
-    """Draw some modes on one sheet.
+    """Draw some modes in one figure.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def draw_shapes(linear: Linear, modes: list[Mode], numbers: list[int], title: st
     numbers
         Which to draw, from 1.
     title
-        What stands above.
+        Title.
     path
         File to write; its suffix is the format.
     """
@@ -97,7 +97,7 @@ def _circle(axes: Axes, disc: Circle, motion: tuple[float, float, float], colour
 
 
 def _explain(figure: Figure, sheet: Sheet) -> None:
-    """Give the sheet one legend."""
+    """Give the figure one legend."""
     from matplotlib.lines import Line2D
 
     parts = dict.fromkeys(disc.part for disc in sheet.discs)

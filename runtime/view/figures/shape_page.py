@@ -57,7 +57,7 @@ requestAnimationFrame(step);
 def write_page(linear: Linear, modes: list[Mode], numbers: list[int], title: str, path: Path) -> Path:
     """Write a page of modes that move, slowed down and all at one pace.
 
-    Without a script they stand in the real part of their shapes.
+    Without a script they show the real part of the shapes.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def draw_mode(sheet: Sheet, number: int, mode: Mode, motions: dict[str, DiscMoti
     Parameters
     ----------
     sheet
-        Where members stand.
+        Layout of the members.
     number
         The mode's, from 1.
     mode, motions

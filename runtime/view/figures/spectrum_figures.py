@@ -192,7 +192,7 @@ def draw_waterfall(
     waterfall, courses, highest
         As for `draw_spectrogram`.
     places
-        Where spectra stand and what the axis says, in place of speed or time.
+        Positions of spectra and label of the axis, in place of speed or time.
     harmonics
         Of each mesh that are marked.
     """
@@ -221,7 +221,7 @@ def draw_waterfall(
 
 
 def _places(waterfall: Waterfall) -> tuple[FloatArray, str]:
-    """Return where spectra stand, and the axis' label."""
+    """Return the positions of spectra, and the axis' label."""
     speed = waterfall.speed
     steps = np.diff(speed)
     if speed.size > 1 and np.ptp(speed) > STEADY * speed.max() and (np.all(steps > 0.0) or np.all(steps < 0.0)):

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".csv", ".png", ".svg", ".pdf")
 NAMED, DRAWN = 8, 16
-"""Tongues that carry their names, and whose borders are drawn."""
+"""Numbers of tongues that are labelled, and whose boundaries are drawn."""
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 KINDS = {"primary": ("-", BLUE), "combination": ("--", VERMILLION), "difference": (":", ORANGE)}
 
@@ -57,7 +57,7 @@ def write_multipliers(found: Floquet, title: str, path: Path) -> Path:
 
 
 def draw_chart(chart: Chart, title: str, path: Path) -> Path:
-    """Draw where small motions grow over speed and variation, with the first-order borders of the tongues."""
+    """Draw where small motions grow over speed and variation, with the first-order boundaries of the tongues."""
     figure, axes = _canvas(10.0, 5.4)
     if min(chart.largest.shape) < 2:
         _draw_line(axes, chart)
@@ -100,7 +100,7 @@ def _draw_line(axes: Axes, chart: Chart) -> None:
 
 
 def _draw_tongues(axes: Axes, chart: Chart) -> None:
-    """Draw the first-order borders of the widest tongues, the widest with their names, and where others begin."""
+    """Draw the first-order boundaries of the widest tongues, the widest with their names, and where others begin."""
     v = np.linspace(chart.variations[0], chart.variations[-1], 400)
     wide = [tongue for tongue in chart.tongues if np.isfinite(tongue.half_width(v)).any()][:DRAWN]
     told: set[str] = set()

@@ -152,7 +152,7 @@ def draw_distribution(dataset: Dataset, metric: str) -> Figure:
 
 
 def _bins(values: FloatArray, count: int) -> FloatArray:
-    """Return the borders of equal bins over some values; what varies by rounding only does not fill them."""
+    """Return the edges of equal bins over some values; what varies by rounding only does not fill them."""
     low, high = float(values.min()), float(values.max())
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     half = max(half, FLAT * abs(middle)) or 0.5
@@ -282,7 +282,7 @@ def draw_map(dataset: Dataset, metric: str) -> Figure:
 
 
 def _edges(*axes: SweepAxis) -> list[FloatArray]:
-    """Return the borders between an axis' cells, halfway between its points; lists stand at whole numbers."""
+    """Return the edges of an axis' cells, halfway between its points; lists are at whole numbers."""
     found = []
     for axis in axes:
         places = axis.places
@@ -303,7 +303,7 @@ def _name_places(axes: Axes, one: SweepAxis, other: SweepAxis) -> None:
 def draw_spectra(dataset: Dataset, metric: str, highest: float | None = None) -> Figure:
     """Draw spectra over the one axis that is varied, with the harmonics of the meshes: a Campbell diagram by runs.
 
-    Where the axis is a speed, lines that go with the meshes lean, and those of eigenfrequencies stand upright.
+    If the axis is a speed, lines of mesh orders are inclined, and those of eigenfrequencies vertical.
 
     Parameters
     ----------

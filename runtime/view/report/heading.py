@@ -61,7 +61,7 @@ def _facts(summary: Mapping[str, Any]) -> list[dict[str, str]]:
 
 
 def _switchings(counts: Mapping[str, Any]) -> str:
-    """Compare the switchings with what kinematics calls for; tell changes of regime."""
+    """Compare the number of switchings with kinematics; report contact events."""
     events, expected = counts.get("events", 0), counts.get("expected_events", 0)
     told = "as kinematics calls for" if events == expected else f"kinematics calls for {expected:,}"
     regimes = counts.get("regimes", 0)
@@ -69,7 +69,7 @@ def _switchings(counts: Mapping[str, Any]) -> str:
 
 
 def _accuracy(accuracy: Mapping[str, Any] | None) -> tuple[str, str]:
-    """Tell the estimated error of the worst mesh, or how to get an estimate."""
+    """Report the estimated error of the worst mesh, or how to get an estimate."""
     if accuracy is None:
         return "not estimated", "simulate with --verify to have it"
     if accuracy.get("reason") or accuracy.get("worst") is None:
@@ -83,7 +83,7 @@ def _accuracy(accuracy: Mapping[str, Any] | None) -> tuple[str, str]:
 
 
 def _balance(summary: Mapping[str, Any]) -> tuple[str, str]:
-    """Tell how far the energy balance is open."""
+    """Report the error of the energy balance."""
     residual = summary.get("energy_residual")
     if residual is None or not isfinite(residual):
         return "-", "not known"
@@ -91,7 +91,7 @@ def _balance(summary: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def _pace(summary: Mapping[str, Any]) -> tuple[str, str]:
-    """Tell how fast the run was."""
+    """Report the speed of the run."""
     factor = summary.get("real_time_factor")
     seconds = summary.get("seconds", {}).get("integrate")
     took = "" if seconds is None else f"{seconds:.3g} s of integration"

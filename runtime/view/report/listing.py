@@ -107,7 +107,7 @@ def _bearings(dataset: xr.Dataset) -> Iterator[Table]:
 
 
 def _steady(dataset: xr.Dataset, variable: str) -> dict[str, Any] | None:
-    """Return a quantity by item over the second half of the record; None where there is none."""
+    """Return a quantity by item over the second half of the record; None if there is none."""
     if variable not in dataset:
         return None
     data = window(dataset[[variable]], steady_start(dataset))[variable]

@@ -26,7 +26,7 @@ def make_mode_section(linear: Linear | None, modes: Sequence[Mode], reason: str)
     Parameters
     ----------
     linear, modes
-        The linear system and its modes, named; None and none where they are not known.
+        The linear system and its modes, named; None and none if they are not known.
     reason
         Why they are not known.
     """

@@ -45,7 +45,7 @@ ROOM, NEEDING = "ltcgear.runtime.view.report", "ltcgear report"
 
 @dataclass(frozen=True)
 class Background:
-    """What a report tells beside the result: the sources of numbers, and the modes of the linearised model.
+    """Additional content of a report: the sources of numbers, and the modes of the linearised model.
 
     ``why_no_modes`` says why there are none.
     """
@@ -144,7 +144,7 @@ def _motion(dataset: xr.Dataset) -> tuple[Track, list[Panel]]:
 
 
 def _pace(window: Window, track: Track) -> float:
-    """Return the pace at which a window lasts as long as it is watched."""
+    """Return the playback speed at which a window lasts its viewing time."""
     span = float(track.time[window.samples][-1] - track.time[window.samples][0])
     return min(PACES, key=lambda pace: abs(log(max(span, 1e-12) / pace / LASTS)))
 
@@ -204,10 +204,10 @@ def _leader(track: Track) -> str | None:
 
 
 def _only(keys: tuple[str, ...], table: dict[str, Any]) -> dict[str, Any]:
-    """Return what stands under some keys."""
+    """Return the values of some keys."""
     return {key: table[key] for key in keys}
 
 
 def _script_json(data: dict[str, Any]) -> str:
-    """Write JSON that may stand in a script element."""
+    """Write JSON that is safe in a script element."""
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")

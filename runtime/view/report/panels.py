@@ -9,23 +9,23 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Pair = dict[str, Any]
-"""A mesh of the sheet, as JSON tells a ``GearPair``."""
+"""A mesh of the layout, a ``GearPair`` from JSON."""
 
 
 @dataclass(frozen=True)
 class Wheel:
-    """A member as it is drawn.
+    """A member in the drawing.
 
     Attributes
     ----------
     body, part
-        Its name, and what it is, as on the sheet.
+        Its name and its part, as in the layout.
     x, y, radius
         Place about the middle of its panel, in its stage's frame, and radius of its pitch circle [m].
     teeth
         How many; 0 where they are not known.
     offset
-        Angle of a tooth against the wheel's own angle [rad], so that teeth stand in gaps.
+        Angle of a tooth against the wheel's own angle [rad], so that teeth mesh with tooth spaces.
     """
 
     body: str
@@ -39,7 +39,7 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Contact:
-    """A mesh as it is drawn.
+    """A mesh in the drawing.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Contact:
     lever
         What the torque on gear 2 is over the force, signed [m].
     back
-        Whether it stands for the flanks that are not loaded.
+        Whether it is the mesh of the unloaded flanks.
     """
 
     name: str
@@ -74,7 +74,7 @@ class Panel:
     name
         The stage or the rotor.
     frame
-        The member with whose angle its frame turns; "" where that stands still.
+        The member with whose angle its frame turns; "" if that is at rest.
     wheels, contacts
         What is drawn, that behind first.
     """
@@ -98,12 +98,12 @@ def make_panels(dataset: "xr.Dataset") -> list[Panel]:
     Parameters
     ----------
     dataset
-        Result with its sheet, parameters and angles.
+        Result with its layout, parameters and angles.
 
     Returns
     -------
     list of Panel
-        In the order of the sheet: stages, and the rotors between them.
+        In the order of the layout: stages, and the rotors between them.
     """
     sheet = json.loads(dataset.attrs["sheet"])
     alpha, start = _pressure_angles(dataset), start_angles(dataset)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH = 5.2
-"""Width of a figure [in], so that its text is read on a phone and beside another on a screen."""
+"""Width of a figure [in], legible on a phone and for two side by side on a screen."""
 MARGINS, BETWEEN = (0.68, 0.14, 0.48, 0.1), 0.72
 """Left, right, lower and upper margin, and what lies between panels one above another [in]."""
 FEW = 200.0
@@ -50,7 +50,7 @@ def make_picture(
 
 
 def _lay_out(figure: Figure, width: float, height: float) -> None:
-    """Give a figure [in] fixed margins, for to find them takes as long as to draw; not where there is a colour bar."""
+    """Give a figure [in] fixed margins, since finding them takes as long as drawing; not with a colour bar."""
     figure.set_size_inches(width, height)
     places = [axes.get_subplotspec() for axes in figure.axes]
     rows = len({place.rowspan.start for place in places if place is not None})
@@ -122,7 +122,7 @@ def _look(handle: Any) -> dict[str, Any]:  # noqa: ANN401
 
 
 def _name(colour: str) -> str:
-    """Return the page's name of a colour; white lines stand on a picture and are grey beside it."""
+    """Return the page's name of a colour; white lines on a picture become grey outside it."""
     return f"var(--{'soft' if colour == WHITE else COLOURS.get(colour, 'ink')})"
 
 

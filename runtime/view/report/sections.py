@@ -72,7 +72,7 @@ def make_sections(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> list[Section]
     dataset
         The whole record.
     modes
-        Modes by which lines are named; none where they are not known.
+        Modes by which lines are named; none if they are not known.
     """
     makers = (_course, _forces, _shares, _spectra, _waterfall, _orbits, _march)
     return [section for make in makers for section in make(dataset, modes)]
@@ -213,7 +213,7 @@ def _waterfall(dataset: xr.Dataset, modes: tuple[Mode, ...]) -> Iterator[Section
 
 
 def _busiest(dataset: xr.Dataset) -> str | None:
-    """Return the mesh that carries most, times the teeth that it passes a second; None where nothing meshes."""
+    """Return the mesh that carries most, times the teeth that it passes a second; None if nothing meshes."""
     leads, time = find_leads(dataset), dataset["time"].values
     if not leads:
         return None

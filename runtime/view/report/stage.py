@@ -57,7 +57,7 @@ class View:
 
 
 def pose_stage(track: Track, panels: list[Panel], sample: int, factor: float) -> list[dict[str, Any]]:
-    """Return what the page draws of each panel, as it stands at a sample.
+    """Return what the page draws of each panel at a sample.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def _pose(view: View) -> dict[str, Any]:
 
 
 def _arrow_scale(force: float, unit: float) -> dict[str, Any]:
-    """Return the arrow that tells how long arrows are."""
+    """Return the scale arrow."""
     length = force / unit * LONGEST
     return {"drawn": round(length, 2), "path": arrow(length), "text": newtons(force, unit)}
 
@@ -107,7 +107,7 @@ def _box(panel: Panel, scale: float) -> list[float]:
 
 
 def _wheel(view: View, wheel: Wheel) -> dict[str, Any]:
-    """Return a wheel: what it looks like at angle zero, and where it stands."""
+    """Return a wheel: its drawing at angle zero, and its position."""
     scale, radius = view.scale, wheel.radius * view.scale
     module = 2 * radius / wheel.teeth if wheel.teeth else 0.0
     pins = [complex(item.x, -item.y) * scale for item in view.panel.wheels if item.part == "planet"]

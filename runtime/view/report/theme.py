@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INK, SOFT, LINE = "#1b2a41", "#5d6b7e", "#cfd6df"
-"""What stands in a figure for the page's ink, its softer ink, and thin lines."""
+"""Colours of a figure that stand for the page's text, its lighter text, and thin lines."""
 COLOURS = {
     INK: "ink", SOFT: "soft", LINE: "line",
     "#0072b2": "blue", "#d55e00": "vermillion", "#009e73": "green", "#cc79a7": "purple",
@@ -50,7 +50,7 @@ def themed() -> Iterator[None]:
 
 
 def write_svg(figure: Figure, name: str, label: str) -> str:
-    """Return a figure as SVG to stand in a page.
+    """Return a figure as SVG for a page.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def write_svg(figure: Figure, name: str, label: str) -> str:
 
 
 def _adopt(element: ElementTree.Element, name: str, used: set[str]) -> None:
-    """Give an element the page's colours and fonts, ids of its own, and no more digits than are seen."""
+    """Give an element the page's colours and fonts, unique ids, and only visible digits."""
     attributes = element.attrib
     for child in [item for item in element if item.tag in (f"{SVG}style", f"{SVG}metadata")]:
         element.remove(child)

@@ -26,7 +26,7 @@ def methods_of(data: Data) -> list[str]:
 
 
 def worst(result: Data) -> Data | None:
-    """Return the finding that is nearest to its limit, or farthest beyond; None where nothing was found."""
+    """Return the finding that is nearest to its limit, or farthest beyond; None if nothing was found."""
     return max(result["findings"], key=_part, default=None)
 
 
@@ -41,7 +41,7 @@ def _part(finding: Data) -> float:
 
 
 def cell(result: Data) -> str:
-    """Return what stands in a cell: the verdict, and the worst value over its limit."""
+    """Return the text of a cell: the verdict, and the worst value over its limit."""
     finding = worst(result)
     if finding is None or result["verdict"] == REFUSED:
         return str(result["verdict"])

@@ -33,7 +33,7 @@ ROWS = 32
 
 
 def list_tables(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[Table]:
-    """Return a sweep as tables: over the axis where there is one that brings its points, else over all points.
+    """Return a sweep as tables: over the axis if there is one with its own points, else over all points.
 
     Parameters
     ----------

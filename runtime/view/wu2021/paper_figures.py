@@ -1,4 +1,4 @@
-"""Figures of the page beside those like the paper's."""
+"""Figures of the page in addition to the paper's."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any

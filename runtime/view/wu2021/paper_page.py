@@ -52,7 +52,7 @@ CAPTIONS = {
     12: "Printed: three curves about 0.97e5 N, between 0.61e5 and 1.33e5 N (Table 9).",
     13: "Printed: one curve about 1.09e5 N, between 0.80e5 and 1.38e5 N (Table 9).",
 }
-"""What the paper's figures show, as far as its text and tables tell."""
+"""Content of the paper's figures, as far as its text and tables give it."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,96 @@
+"""The manifest tells the train: members, connections and roles are those of the scene, and survive their text."""
+
+from pathlib import Path
+
+import pytest
+from ltcgear.generated.contract import GEOMETRY, PHYSICAL, ROLES, Connection, Manifest, RigidBody
+from ltcgear.symbolic.assembly import build_model
+from ltcgear.symbolic.emit.mechanism import list_bodies, list_connections
+from ltcgear.symbolic.scene.load import load_scene
+
+HOME = Path(__file__).parents[3] / "generated"
+
+
+@pytest.fixture(scope="module")
+def rig():
+    """The committed manifest of the rig, and its scene."""
+    return Manifest.from_json((HOME / "rig_2mw" / "manifest.json").read_text("utf-8")), load_scene("rig-2mw")
+
+
+def connection(manifest: Manifest, name: str) -> Connection:
+    return next(item for item in manifest.connections if item.name == name)
+
+
+def body(manifest: Manifest, name: str) -> RigidBody:
+    return next(item for item in manifest.bodies if item.name == name)
+
+
+def test_the_committed_manifests_survive_their_text(rig):
+    manifest, _ = rig
+    assert Manifest.from_json(manifest.to_json()) == manifest
+    assert all(isinstance(item.place, tuple) for item in manifest.bodies)
+    assert all(isinstance(part, tuple) for item in manifest.connections for part in (item.bodies, item.radii))
+
+
+def test_members_are_those_of_the_scene(rig):
+    manifest, scene = rig
+    planets = {name: stage.planets for name, stage in scene.stages.items() if hasattr(stage, "planets")}
+    wanted = {*scene.rotors, "psh.input", "psh.output"}
+    wanted |= {f"{name}.{part}" for name in planets for part in ("carrier", "ring", "sun")}
+    wanted |= {f"{name}.planet.{k}" for name, count in planets.items() for k in range(1, count + 1)}
+    assert {item.name for item in manifest.bodies} == wanted
+    assert body(manifest, "hsp.planet.2").frame == "hsp.carrier"  # it goes round with its carrier
+    assert body(manifest, "lsp.planet.2").frame == ""  # the carrier of the LSP is fixed to the housing
+    assert {item.part for item in manifest.bodies if not item.stage} == {"rotor"}
+    assert body(manifest, "lsp.sun").teeth == "lsp.sun_planet.teeth_1"
+    assert body(manifest, "lsp.planet.3").place == ("lsp.planet.3.x_0", "lsp.planet.3.y_0")
+
+
+def test_connections_are_those_of_the_scene(rig):
+    manifest, scene = rig
+    joined = {item.item: item.bodies for item in manifest.connections if item.kind == "coupling"}
+    assert joined == {name: tuple(coupling.between) for name, coupling in scene.couplings.items()}
+    loads = {item.item: item.bodies for item in manifest.connections if item.kind == "load"}
+    assert loads == {name: (load.member,) for name, load in scene.loads.items() if not load.holds}
+    mesh = connection(manifest, "hsp.ring_planet.2")
+    assert (mesh.bodies, mesh.sense, mesh.group) == (("hsp.ring", "hsp.planet.2"), -1, "hsp.ring_planet")
+    assert len(connection(manifest, "lsp.sun_planet.1").stiffness) == 2  # between which the level chooses
+    assert connection(manifest, "lsp.pin.2").bodies == ("lsp.carrier", "lsp.planet.2")
+    assert connection(manifest, "psh.output.bearing").bodies == ("psh.output",)
+
+
+@pytest.mark.parametrize("folder", ["rig_2mw", "lin_parker_3"])
+def test_all_that_is_named_is_a_parameter(folder):
+    manifest = Manifest.from_json((HOME / folder / "manifest.json").read_text("utf-8"))
+    known = {"", *(name for name, _ in manifest.parameters)}
+    for item in manifest.bodies:
+        assert {*item.place, item.ratio, item.mass, item.inertia, item.base_radius, item.teeth} <= known
+    for joint in manifest.connections:
+        assert {*joint.stiffness, joint.damping, joint.hold, joint.flank, *joint.radii, joint.teeth} <= known
+    assert set(manifest.roles) == known - {""}
+    assert set(manifest.roles.values()) <= set(ROLES)
+
+
+def test_roles_tell_sizes_from_places(rig):
+    roles = rig[0].roles
+    assert roles["lsp.pin.stiffness"] == PHYSICAL
+    assert roles["lsp.planet.1.x_0"] == roles["psh.mesh.base_radius_1"] == GEOMETRY
+
+
+def test_flanks_with_backlash_are_two_connections():
+    model = build_model(load_scene("start-up"))
+    front, back = (item for item in list_connections(model) if item.kind == "mesh")
+    assert (front.name, back.name, front.group) == ("pair.mesh", "pair.mesh.back", back.group)
+    assert (front.back, back.back) == (False, True)
+    assert front.hold != back.hold
+    assert front.flank != back.flank
+    assert front.bodies == back.bodies == ("pair.input", "pair.output")
+
+
+def test_points_of_members_are_no_members():
+    changes = {"effects.eccentricity": "on", "stages.psh.input.eccentricity": '{ radius = "10 um", angle = "0 deg" }'}
+    model = build_model(load_scene("psh", changes))
+    assert "psh.input.teeth" in {item.name for item in model.bodies}
+    assert [item.name for item in list_bodies(model)] == ["psh.input", "psh.output"]
+    mesh = next(item for item in list_connections(model) if item.kind == "mesh")
+    assert mesh.bodies == ("psh.input", "psh.output")
