@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from ltcgear.generated.compiler import MORE_FLAGS
 from ltcgear.runtime.cli import commands
 
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # hundreds of programs are started; none compiles all modules again
@@ -26,6 +27,22 @@ def store(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LTCGEAR_CACHE", str(folder))
         yield folder
+
+
+@pytest.fixture(autouse=True, scope="session")
+def flags():
+    """Compile with -O1, in about half the time; what is told of -O3 stands in benchmarks and in ``shipped_flags``."""
+    with pytest.MonkeyPatch.context() as patch:
+        if MORE_FLAGS not in os.environ:
+            patch.setenv(MORE_FLAGS, "-O1")
+        yield
+
+
+@pytest.fixture
+def shipped_flags(monkeypatch):
+    """Compile as users do."""
+    if os.environ.get(MORE_FLAGS) == "-O1":
+        monkeypatch.delenv(MORE_FLAGS)
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -2,8 +2,8 @@
 
 import typer
 
-from ..view.tables import book_printed
-from ..view.tables.printed import show
+from ..view.tables import printed
+from ..view.tables.scene_tables import list_book
 from .app import app
 from .opening import open_scene
 from .options import AsJson, BookFile, Changes, Force, SceneName
@@ -25,6 +25,7 @@ def book(
     checks = check_model(opened.model)
     made = make_book(opened.scene, opened.model, opened.artifact.manifest, opened.key, checks)
     write_book(made, output)
-    show(as_json, list_content(made) | {"file": str(output), "bytes": output.stat().st_size}, book_printed.book)
+    data = list_content(made) | {"file": str(output), "bytes": output.stat().st_size}
+    printed.show_tables(as_json, data, list_book)
     if made.checks["failed"]:
         raise typer.Exit(1)

@@ -7,7 +7,7 @@ from ltcgear.generated import store
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.folders import write_unchanged
 
-from ..view.tables import printed
+from ..view.tables import printed, scene_tables
 from .app import app
 from .opening import compile_model, open_scene, read_run, split_changes
 from .options import AsJson, CFolder, Changes, Force, Fresh, MaybeScene, Printed, SceneName, Sources
@@ -19,7 +19,7 @@ def scenes(as_json: AsJson = False) -> None:
     from ltcgear.symbolic.scene.load import load_scene, shipped_scenes
 
     listed = [{"name": name, "title": load_scene(name).title} for name in shipped_scenes()]
-    printed.show(as_json, {"scenes": listed}, printed.scenes)
+    printed.show_tables(as_json, {"scenes": listed}, scene_tables.list_scenes)
 
 
 @app.command()
@@ -27,7 +27,7 @@ def effects(as_json: AsJson = False) -> None:
     """List the effects a scene can call for."""
     from ltcgear.symbolic.describe.effect_page import list_effects
 
-    printed.show(as_json, {"effects": list_effects()}, printed.effects)
+    printed.show_tables(as_json, {"effects": list_effects()}, scene_tables.list_effects)
 
 
 @app.command()
@@ -39,7 +39,7 @@ def info(scene: SceneName, sources: Sources = False, changes: Changes = None, as
     data = survey(opened.scene, opened.model, opened.artifact.manifest)
     if sources:
         data["sources"] = dict(opened.scene.sources)
-    printed.show(as_json, data, printed.info)
+    printed.show_tables(as_json, data, scene_tables.list_model)
 
 
 @app.command()
@@ -61,7 +61,7 @@ def check(scene: MaybeScene = None, paper: Printed = False, changes: Changes = N
     results = check_model(build_model(load_scene(scene or "", split_changes(changes))))
     listed = [asdict(result) for result in results]
     passed = all(item["passed"] for item in listed)
-    printed.show(as_json, {"passed": passed, "checks": listed}, printed.checks)
+    printed.show_tables(as_json, {"passed": passed, "checks": listed}, scene_tables.list_checks)
     if not passed:
         raise typer.Exit(1)
 

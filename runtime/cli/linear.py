@@ -46,8 +46,7 @@ def modes(
     from ..linear.modes import find_modes
     from ..linear.naming import describe_modes
     from ..model.topology import Topology
-    from ..view.tables.mode_rows import list_modes
-    from ..view.tables.modes_printed import modes as for_people
+    from ..view.tables.mode_tables import list_modes, tabulate_modes
 
     if output is not None:
         check_output(output, scene)
@@ -64,7 +63,7 @@ def modes(
     if output is not None:
         data["files"] = [str(_write(linear, found, mode, data | {"title": opened.scene.title}, output))]
     labels = Topology(linear.library.manifest).labels
-    printed.show(as_json, data, lambda data: for_people(data, labels))
+    printed.show(as_json, data, lambda shown: printed.listed(tabulate_modes(shown, labels), shown.get("files", [])))
 
 
 def open_linear(opened: Opened, turn: float | None = None) -> "Linear":
@@ -99,7 +98,7 @@ def _tell_count(linear: "Linear", found: int, wanted: int) -> str:
 
 def _write(linear: "Linear", found: list[Any], chosen: list[int] | None, data: dict[str, Any], path: Path) -> Path:
     """Write a table or draw mode shapes, by the suffix."""
-    from ..view.tables.mode_rows import write_modes
+    from ..view.tables.mode_tables import write_modes
 
     if path.suffix in LISTS:
         return write_modes(data, path)

@@ -55,7 +55,7 @@ def campbell(
     from ..linear.orders import list_orders
     from ..linear.resonance import tell_campbell, write_campbell
     from ..view.figures.resonance_figures import draw_campbell
-    from ..view.tables import resonance_printed
+    from ..view.tables.resonance_tables import tabulate_crossings
     from .number_ranges import read_range
 
     if speed is not None and load is not None:
@@ -73,7 +73,7 @@ def campbell(
             found = sweep_load(library, p, factors, tables=tables, told=told)
     orders = list_orders(library.manifest, p, harmonics, sidebands)
     data = tell_campbell(opened.scene.name, found, orders, find_crossings(found, orders))
-    printed.show(as_json, data, resonance_printed.campbell)
+    printed.show_tables(as_json, data, tabulate_crossings)
     _write(output, data, as_json, write_campbell, draw_campbell)
 
 
@@ -88,7 +88,7 @@ def response(
     from ..linear.resonance import tell_response, write_response
     from ..linear.response import choose_frequencies, respond
     from ..view.figures.resonance_figures import draw_response
-    from ..view.tables import resonance_printed
+    from ..view.tables.resonance_tables import tabulate_response
 
     _check(output, scene)
     opened = open_scene(scene, changes, output)
@@ -96,7 +96,7 @@ def response(
     modes = describe_modes(linear, find_modes(linear))
     found = respond(linear, excite, choose_frequencies(modes, lowest, highest))
     data = tell_response(opened.scene.name, found, modes)
-    printed.show(as_json, data, resonance_printed.response)
+    printed.show_tables(as_json, data, tabulate_response)
     _write(output, data, as_json, write_response, draw_response)
 
 

@@ -52,7 +52,7 @@ def stability(
     from ..linear.chart import RPM, draw_up
     from ..linear.periodic import reference_speed
     from ..view.figures.stability_figures import write_chart
-    from ..view.tables.stability_printed import describe_chart, tabulate_chart
+    from ..view.tables.stability_tables import describe_chart, tabulate_chart
 
     library = compile_model(opened)
     p = library.parameters(opened.model.values())
@@ -73,7 +73,7 @@ def _show_multipliers(
     from ..linear.floquet import find_multipliers
     from ..linear.periodic import reference_speed, take_sense, vary
     from ..view.figures.stability_figures import write_multipliers
-    from ..view.tables.stability_printed import describe_multipliers, tabulate_multipliers
+    from ..view.tables.stability_tables import describe_multipliers, tabulate_multipliers
 
     library = compile_model(opened)
     p = library.parameters(opened.model.values())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from rich.console import Console, ConsoleOptions, RenderResult
 
 Cell = str | int | float | None
+NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?( ?%)?|-?")
+"""Text that is aligned as a number."""
 KEPT, GAP = 12, 3
 """Width up to which a column of words is not broken; space between columns."""
 
@@ -53,7 +56,8 @@ class Table:
     @property
     def numeric(self) -> tuple[bool, ...]:
         """Say of each column whether it has no words; such are aligned on the right."""
-        return tuple(all(not isinstance(row[place], str) for row in self.rows) for place in range(len(self.columns)))
+        columns = ([row[place] for row in self.rows] for place in range(len(self.columns)))
+        return tuple(any(cells) and all(map(_is_number, cells)) for cells in columns)
 
     def to_json(self) -> dict[str, Any]:
         """Plain lists and dictionaries, numbers at full precision, NaN as null."""
@@ -100,6 +104,7 @@ class Table:
             title_justify="left",
             box=SIMPLE_HEAD,
             show_edge=False,
+            show_header=any(self.columns),
             show_lines=any(broken),
             pad_edge=False,
         )
@@ -108,11 +113,12 @@ class Table:
         for place, (heading, numeric) in enumerate(zip(self.columns, self.numeric, strict=True)):
             # Where room is short numbers keep theirs, below headings that break; of words, long ones give way.
             short = max([widths[place], *map(len, heading.split())])
+            named = place == 0 or broken[place]
             table.add_column(
                 Text(write_out(heading)),
                 justify="right" if numeric else "left",
                 width=short if numeric and whole > options.max_width else None,
-                no_wrap=not numeric and (place == 0 or broken[place] or short <= KEPT),
+                no_wrap=not numeric and (short <= KEPT or (named and 2 * short <= options.max_width)),
                 overflow="fold",
             )
         for row in self.rows:
@@ -129,6 +135,11 @@ class Table:
         from .terminal import Terminal
 
         (console or Terminal()).print(self)
+
+
+def _is_number(cell: Cell) -> bool:
+    """Return whether a cell is a number, or nothing, also where that is written out."""
+    return not isinstance(cell, str) or NUMBER.fullmatch(cell) is not None
 
 
 def _plain(cell: Cell) -> Cell:

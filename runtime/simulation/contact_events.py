@@ -9,6 +9,7 @@ import numpy as np
 from ltcgear.generated.contract import HELD
 from numpy.typing import NDArray
 
+from ..model.contact_levels import Cells, lower, upper
 from ..model.function import Kernel
 from ..model.library import Library
 from .smooth_arc import Frame
@@ -70,3 +71,28 @@ class Regimes:
     def hold(self, p: Vector) -> None:
         """Put the sides into parameters."""
         p[self.index] = np.where(self.sides, HELD, -HELD)
+
+
+class EventFunctions:
+    """Event functions of mesh phases and contacts, for integrators with their own root finding.
+
+    Parameters
+    ----------
+    regimes
+        The sides that hold.
+    phases
+        The function of the mesh phases.
+    p
+        Parameters; the C changes them in place.
+    cells
+        The cells of the mesh phases, updated by the C from now on.
+    """
+
+    def __init__(self, regimes: Regimes, phases: Kernel, p: Vector, cells: Cells) -> None:
+        self.regimes, self.phases, self.p, self.cells = regimes, phases, p, cells
+        self.count = 2 * len(cells) + len(regimes.index)
+
+    def distances(self, x: Vector, s: Vector) -> Vector:
+        """Return the event functions at a state, positive before an event and zero at it, shape (count,)."""
+        tau, _, share = self.phases(x, s, self.p)
+        return np.concatenate([upper(self.cells, share) - tau, tau - lower(self.cells, share), self.regimes.seen(x, s)])

@@ -22,9 +22,9 @@ from ..model.operating_point import OperatingPoint
 from ..model.phase_wrapping import TURN, Clocks
 from ..results.checkpoint import Snapshot
 from ..results.peaks import MeshExtremes
-from .contact_events import Regimes
+from .contact_events import EventFunctions, Regimes
 from .dense_output import Chebyshev, Nodes, Uniform
-from .event_functions import Watch
+from .failure import explain, last_state
 from .methods import stepper
 from .methods.registry import Method
 from .methods.stepper import SegmentProblem, Stepper
@@ -109,8 +109,10 @@ class March:
         self._set_regimes(signals.at(0.0), self.angle if self.angle >= 0 and "reference.speed" not in names else None)
         self._set_room(samples, rate)
         self._bind()
-        watch = Watch(self.regimes, self.phase_kernel, self.p, self.cells)
-        self.stepper = chosen.make(SegmentProblem(library, self.p, self.rtol, self.frame, self.nodes.points[1:], watch))
+        events = EventFunctions(self.regimes, self.phase_kernel, self.p, self.cells)
+        self.stepper = chosen.make(
+            SegmentProblem(library, self.p, self.rtol, self.frame, self.nodes.points[1:], events)
+        )
         if self.stepper is not None:
             self.state.finds_borders = self.stepper.finds_borders
             native.call_back(partial(self._advance, self.stepper))
@@ -292,6 +294,15 @@ class March:
             raise KeyboardInterrupt
         if fault:
             raise RuntimeError(FAULTS[fault])
+
+    def explain_failure(self) -> str:
+        """Say why the motion cannot go on from where it stands, and what to do; empty where that is not plain."""
+        library, p, frame = self.library, self.p, self.frame
+        s = np.concatenate([levels_of(self.cells), self.signals.at(self.time)])
+        slope = np.concatenate([np.zeros(len(self.cells)), self.signals.rate(self.time)])
+        rhs, x = Kernel(library.functions["rhs"]), frame.origin + frame.scale * self.z
+        x, s = last_state(rhs, p, x, s, slope, self.point.fastest, self.state.longest)
+        return explain(library, p, frame, x, s)
 
     def _begin_leg(self) -> None:
         """Subtract whole turns, and give the C the load signals up to their next knot."""

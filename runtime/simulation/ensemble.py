@@ -11,14 +11,13 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import asdict
 from functools import partial
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError, MachineError
 from numpy.typing import NDArray
 
 from ..model.library import Library
-from ..model.load_tables import Pairs
 from ..model.parameter_values import tell, value_faults
 from ..results.attributes import to_attributes
 from ..results.dataset import make_dataset
@@ -26,7 +25,7 @@ from ..results.result import Result
 from ..results.samples import no_rows
 from .choose_method import Choice
 from .room import check_size
-from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings
+from .run_settings import RunOptions, RunSettings
 from .sampling_rate import Rate
 from .simulate import Run, list_settings
 from .trajectory import Counts
@@ -43,16 +42,10 @@ def simulate_many(
     library: Library,
     sets: Iterable[Mapping[str, float]],
     *,
-    t_end: float,
-    rate: float | None = None,
-    method: str = DEFAULT_METHOD,
-    rtol: float = DEFAULT_RTOL,
-    raw: bool = False,
     attributes: Mapping[str, Any] | None = None,
     told: Told = lambda t: None,
-    tables: Mapping[str, Pairs] | None = None,
     workers: int | None = None,
-    long: bool = False,
+    **options: Unpack[RunOptions],
 ) -> Iterator[Result]:
     """Simulate a model with many parameter sets; each result is to the last bit that of ``simulate``.
 
@@ -82,10 +75,12 @@ def simulate_many(
         If an option or a parameter set is wrong, before anything runs.
     """
     given, count = list(sets), _count_workers(workers)
-    settings = RunSettings(t_end, rate, method, rtol, raw, tables, long=long).checked()
+    settings = RunSettings(**options).checked()
+    if settings.verify:
+        raise LtcgearError("verify: is for one run; leave it out, and verify one with simulate")
     _check_sets(library, given)
-    if rate is not None:
-        check_size(library, t_end * rate * min(len(given), AHEAD * count + 1))
+    if settings.rate is not None:
+        check_size(library, settings.samples * min(len(given), AHEAD * count + 1))
     vectors = [library.parameters(values) for values in given]
     return _Ensemble(library, vectors, settings, attributes, told).results(count)
 

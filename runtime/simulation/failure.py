@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.contact_levels import levels_of
 from ..model.function import Kernel
-from .driver import March
+from ..model.library import Library
+from .smooth_arc import Frame
 
 Vector = NDArray[np.float64]
 CLOSE = 0.05
@@ -17,10 +17,11 @@ STEP, MOST_STEPS = 0.3, 50_000
 """Phase angle [rad] of the fastest motion in a step of the run-up to the failure, and the most such steps."""
 
 
-def explain(march: March) -> str:
-    """Return why an integration cannot continue from its state, and the cure; empty if unknown."""
-    x, s = _last_state(march)
-    library, p = march.library, march.p
+def explain(library: Library, p: Vector, frame: Frame, x: Vector, s: Vector) -> str:
+    """Say why an integration cannot go on from a state, and what to do; empty where that is not plain.
+
+    Shapes as the library's functions take them; ``s`` are levels and signals.
+    """
     values = Kernel(library.functions["outputs"])(x, s, p)[0]
     angles = [
         (value, report.item)
@@ -33,26 +34,37 @@ def explain(march: March) -> str:
             "check the stiffness of their bearings, the loads and contact (bilateral teeth pull)"
         )
     position = library.index("")
-    far = np.abs((x - march.frame.origin) / march.frame.scale)[position]
+    far = np.abs((x - frame.origin) / frame.scale)[position]
     if far.max() > FAR:
         state = library.manifest.states[position[int(far.argmax())]]
         return f"{state.body} ({state.axis}) runs away, {far.max():.0e} times the size of vibrations; check its loads"
     return ""
 
 
-def _last_state(march: March) -> tuple[Vector, Vector]:
-    """Return the last state and levels with signals that can be computed, by small steps of classical Runge-Kutta."""
-    rhs = Kernel(march.library.functions["rhs"])
-    rest, slope = np.zeros(len(march.cells)), march.signals.rate(march.time)
-    s, rate = np.concatenate([levels_of(march.cells), march.signals.at(march.time)]), np.concatenate([rest, slope])
-    x, h = march.frame.origin + march.frame.scale * march.z, STEP / march.point.fastest
-    for _ in range(min(int(march.state.longest / h), MOST_STEPS)):
-        one = rhs(x, s, march.p)[0].copy()
-        two = rhs(x + h / 2 * one, s + h / 2 * rate, march.p)[0].copy()
-        three = rhs(x + h / 2 * two, s + h / 2 * rate, march.p)[0].copy()
-        four = rhs(x + h * three, s + h * rate, march.p)[0]
+def last_state(
+    rhs: Kernel, p: Vector, x: Vector, s: Vector, slope: Vector, fastest: float, duration: float
+) -> tuple[Vector, Vector]:
+    """Return the last state that can be computed, with its levels and signals, by the classical Runge-Kutta method.
+
+    Parameters
+    ----------
+    rhs
+        The right-hand side.
+    p, x, s, slope
+        Parameters, state, levels and signals, and the rates of these.
+    fastest
+        The fastest motion [rad/s], which steps resolve.
+    duration
+        Time to go at most [s].
+    """
+    h = STEP / fastest
+    for _ in range(min(int(duration / h), MOST_STEPS)):
+        one = rhs(x, s, p)[0].copy()
+        two = rhs(x + h / 2 * one, s + h / 2 * slope, p)[0].copy()
+        three = rhs(x + h / 2 * two, s + h / 2 * slope, p)[0].copy()
+        four = rhs(x + h * three, s + h * slope, p)[0]
         after = x + h / 6 * (one + 2 * two + 2 * three + four)
-        if not (np.isfinite(after).all() and np.isfinite(rhs(after, s + h * rate, march.p)[0]).all()):
+        if not (np.isfinite(after).all() and np.isfinite(rhs(after, s + h * slope, p)[0]).all()):
             break
-        x, s = after, s + h * rate
+        x, s = after, s + h * slope
     return x, s

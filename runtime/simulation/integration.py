@@ -13,8 +13,7 @@ from ..model.load_tables import Signals
 from ..model.operating_point import OperatingPoint
 from ..results.checkpoint import Snapshot
 from .driver import March
-from .failure import explain
-from .interrupt import Brake
+from .interrupt import Interrupt
 from .methods.registry import EXHAUSTED
 from .run_settings import RunSettings, check_length
 from .sampling import Samples
@@ -82,8 +81,8 @@ class Integration:
             handed on: a ``snapshot`` is whole then.
         """
         self.push, self.clock = push, perf_counter()
-        with Brake() as brake:
-            self.status = self._proceed(told, mark, brake)
+        with Interrupt() as interrupt:
+            self.status = self._proceed(told, mark, interrupt)
         self.samples.flush()
         self._tick("integrate")
 
@@ -91,7 +90,7 @@ class Integration:
         """Return the status; a number of switchings other than by kinematics is a failure."""
         march, events, status = self.march, self.march.counts.events, self.status
         if self.cause:
-            status += f": {explain(march) or f'{self.cause}; {CURE}'}"
+            status += f": {march.explain_failure() or f'{self.cause}; {CURE}'}"
         expected = march.expected_events()
         if status == "done" and expected != events:
             status = f"{events} stiffness switchings, not the {expected} of kinematics: not to be used"
@@ -117,15 +116,15 @@ class Integration:
         for name in self.seconds:
             self.seconds[name] += float(kept[f"seconds.{name}"])
 
-    def _proceed(self, told: Told, mark: Callable[[], None], brake: Brake) -> str:
+    def _proceed(self, told: Told, mark: Callable[[], None], interrupt: Interrupt) -> str:
         """Integrate segment by segment to the end; return ``done``, or why it stopped and what to try."""
         shown, marked, march, samples = 0.0, -np.inf, self.march, self.samples
         while not samples.complete:
-            if brake.pulled or perf_counter() - marked > MARK_SECONDS:
+            if interrupt.pulled or perf_counter() - marked > MARK_SECONDS:
                 samples.flush()
                 mark()
                 marked = perf_counter()
-            if brake.pulled:
+            if interrupt.pulled:
                 return f"interrupted at t = {march.time:.6g} s"
             try:
                 march.proceed(SLICE)

@@ -5,7 +5,7 @@ from threading import current_thread, main_thread
 from types import FrameType, TracebackType
 
 
-class Brake:
+class Interrupt:
     """While it is held, the first Ctrl-C only sets ``pulled``; the second interrupts at once.
 
     Where Ctrl-C means something else to the program at hand, or in another thread, nothing is changed.
@@ -15,7 +15,7 @@ class Brake:
         self.pulled = False
         self._armed = False
 
-    def __enter__(self) -> "Brake":
+    def __enter__(self) -> "Interrupt":
         """Take Ctrl-C over."""
         plain = signal.getsignal(signal.SIGINT) is signal.default_int_handler
         if plain and current_thread() is main_thread():

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from ltcgear.generated.errors import LtcgearError
@@ -13,7 +13,7 @@ from ltcgear.generated.writing import check_output, is_forced, remove_drafts
 
 from ..model.equilibrium import find_equilibrium
 from ..model.library import Library
-from ..model.load_tables import Pairs, Signals
+from ..model.load_tables import Signals
 from ..model.operating_point import OperatingPoint
 from ..model.state_matrix import Equilibrium
 from ..results.attributes import FORCES, GOES_ON, UNFINISHED, to_attributes
@@ -29,7 +29,7 @@ from .low_pass import passing_speed
 from .method_limits import check_run
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_room
-from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings
+from .run_settings import RunOptions, RunSettings
 from .simulate import resolve, summarise, tell_forces, verified
 from .trajectory import Block, Counts, Outcome, Points
 
@@ -101,17 +101,10 @@ def record(
     values: Mapping[str, float],
     target: str | Path,
     *,
-    t_end: float,
-    rate: float | None = None,
-    method: str = DEFAULT_METHOD,
-    rtol: float = DEFAULT_RTOL,
-    raw: bool = False,
     attributes: Mapping[str, Any] | None = None,
     told: Callable[[float], None] = lambda t: None,
-    tables: Mapping[str, Pairs] | None = None,
     resume: bool = False,
-    verify: bool = False,
-    long: bool = False,
+    **options: Unpack[RunOptions],
 ) -> dict[str, Any]:
     """Simulate from the loaded equilibrium into a NetCDF4 file.
 
@@ -145,11 +138,11 @@ def record(
         If a file cannot be written.
     """
     target = Path(target)
-    given = RunSettings(t_end, rate, method, rtol, raw, tables, verify, long).checked()
+    given = RunSettings(**options).checked()
     check_recordable(target, resume)
-    p, clock = library.parameters(values), perf_counter()
-    Signals(library.manifest.signals, tables or {})  # refuses tables before anything is described
-    run = describe_run(library, values, tables or {}, given.identity())
+    p, tables, clock = library.parameters(values), given.tables or {}, perf_counter()
+    Signals(library.manifest.signals, tables)  # refuses tables before anything is described
+    run = describe_run(library, values, tables, given.identity())
     with Lock(target):
         check_recordable(target, resume)  # who held it may have left another file
         remove_drafts(target, part_of(target), checkpoint_of(target))
@@ -159,9 +152,9 @@ def record(
         point = OperatingPoint(library, p, at)
         settings, about = resolve(point, given)
         if not kept:
-            check_room(library, t_end * settings.sampling_rate, target)
+            check_room(library, settings.t_end * settings.sampling_rate, target)
         check_run(point, settings)
-        integration = Integration(point, settings, passing=passing_speed(settings.sampling_rate, raw))
+        integration = Integration(point, settings, passing=passing_speed(settings.sampling_rate, settings.raw))
         reader = Reader(point, settings)
         if kept:
             _restore(target, kept, integration, reader)
@@ -175,7 +168,7 @@ def record(
             summary |= {"seconds": seconds | outcome.seconds}
             if summary["status"].startswith("interrupted"):
                 return summary | {"status": f"{summary['status']}; rows are in {recorder.part.path}, {GOES_ON}"}
-            if verify:
+            if settings.verify:
                 summary |= verified(point, summary, settings)
             clock = perf_counter()
             recorder.seal(to_attributes(attributes, summary), statistics)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Required, TypedDict
 
 import numpy as np
 from ltcgear.generated.contract import MOST_SAMPLES
@@ -16,25 +16,40 @@ DEFAULT_METHOD = AUTO
 DEFAULT_RTOL = 1e-6
 
 
+class RunOptions(TypedDict, total=False):
+    """Settings of a run as keyword arguments, see ``RunSettings``."""
+
+    t_end: Required[float]
+    rate: float | None
+    method: str
+    rtol: float
+    raw: bool
+    tables: Mapping[str, Pairs] | None
+    verify: bool
+    long: bool
+
+
 @dataclass(frozen=True)
 class RunSettings:
-    """The settings of a run; public functions make and check them, and they are handed on.
+    """Settings of a run; public functions take them as keyword arguments, check them and hand them on.
 
     Attributes
     ----------
     t_end, rate
-        Time to simulate [s] and samples a second [Hz], None if that is still to be chosen.
+        Time to simulate [s] and samples a second [Hz]; without, the rate is chosen from modes and meshes
+        (``sampling_rate``).
     method, rtol
-        Name of the integrator (``registry.METHODS``, or ``auto`` where it is still to be chosen) and its relative
+        Name of the integrator (``registry.METHODS``; ``auto`` chooses one, see ``choose_method``) and its relative
         tolerance, which refers to vibrations.
     raw
-        Whether outputs are of the instant, not band-limited.
+        Keep outputs of the instant, in which what lies above half the rate shows as false lines below it. Else all are
+        band-limited: filtered before they are sampled (``low_pass``).
     tables
-        The model's tables over time, by name.
+        Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
     verify
-        Whether its accuracy is estimated too.
+        Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``verify``.
     long
-        Whether it may take more than about an hour.
+        Begin a run too that is estimated to take more than about an hour (``method_limits``); else it is refused.
     """
 
     t_end: float

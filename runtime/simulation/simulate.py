@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from ..model.asynchronous_machines import past_breakdown
 from ..model.energy_levels import LOADED
 from ..model.equilibrium import Vector, find_equilibrium
 from ..model.library import Library
-from ..model.load_tables import Pairs
 from ..model.operating_point import OperatingPoint
 from ..results.attributes import to_attributes
 from ..results.dataset import make_dataset
@@ -27,7 +26,7 @@ from .method_limits import check_run
 from .methods.registry import AUTO
 from .output_reader import Reader, judge, motion_statistics
 from .room import check_size
-from .run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings, check_length
+from .run_settings import RunOptions, RunSettings, check_length
 from .sampling_rate import Rate, choose_rate
 from .trajectory import Outcome
 from .verify import estimate_accuracy
@@ -43,16 +42,9 @@ def simulate(
     library: Library,
     values: Mapping[str, float],
     *,
-    t_end: float,
-    rate: float | None = None,
-    method: str = DEFAULT_METHOD,
-    rtol: float = DEFAULT_RTOL,
-    raw: bool = False,
     attributes: Mapping[str, Any] | None = None,
     told: Callable[[float], None] = lambda t: None,
-    tables: Mapping[str, Pairs] | None = None,
-    verify: bool = False,
-    long: bool = False,
+    **options: Unpack[RunOptions],
 ) -> Result:
     """Simulate from the loaded equilibrium, and keep all samples in memory (``record`` writes them to a file).
 
@@ -62,24 +54,12 @@ def simulate(
         A built model.
     values
         Parameter name -> value in SI.
-    t_end, rate
-        Time to simulate [s] and samples a second [Hz]; without, the rate is chosen from modes and meshes (``rates``).
-    method, rtol
-        Integrator (see ``registry.METHODS``; ``auto`` chooses one, see ``choose_method``) and its relative tolerance,
-        which refers to vibrations.
-    raw
-        Keep outputs of the instant, in which what lies above half the rate shows as false lines below it. Else all are
-        band-limited: filtered before they are sampled (``band``).
     attributes
         Further attributes of the result file, such as the scene.
     told
         Called with the simulated time now and then.
-    tables
-        Table name -> rows of time [s] and value in SI; the model's, where its loads are given over time.
-    verify
-        Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``accuracy``.
-    long
-        Allow a run estimated to take more than about an hour (``method_limits``).
+    options
+        Settings of the run, ``t_end`` at least: the attributes of ``RunSettings``.
 
     Raises
     ------
@@ -88,11 +68,11 @@ def simulate(
     LtcgearError
         If a name, a number or an option is none that the model or the method can take.
     """
-    settings = RunSettings(t_end, rate, method, rtol, raw, tables, verify, long).checked()
+    settings = RunSettings(**options).checked()
     run = Run(library, library.parameters(values), settings)
     run.follow(told)
     dataset, summary = run.conclude()
-    if verify:
+    if settings.verify:
         summary |= verified(run.point, summary, run.settings)
     dataset.attrs |= to_attributes(attributes, summary)
     return Result(dataset, summary)

@@ -1,7 +1,12 @@
-"""A store of each test's own, and the compiler that is there."""
+"""A store of each test's own, the compiler that is there, and the flags that users have."""
 
 import pytest
 from ltcgear.generated import store
+
+
+@pytest.fixture(autouse=True)
+def flags_of_users(shipped_flags):
+    """Compile as users do."""
 
 
 @pytest.fixture

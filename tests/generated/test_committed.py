@@ -54,7 +54,8 @@ def test_committed_c_compiles_without_a_warning_with_the_kit(folder: str, tmp_pa
         pytest.skip("no C compiler here")
     folders.write_folder(tmp_path, write_kit())
     sources = [*sorted((HOME / folder).glob("*.c")), tmp_path / "ltcgear.c", tmp_path / "main.c"]
-    command = [compiler.path, "-std=c11", "-O0", "-Wall", "-Werror", f"-I{tmp_path}", *map(str, sources)]
+    flags = [flag for flag in store.FLAGS if flag != "-shared"]
+    command = [*compiler.command, *flags, f"-I{tmp_path}", *map(str, sources)]
     run = subprocess.run([*command, "-o", str(tmp_path / "gearbox"), "-lm"], capture_output=True, text=True)
     assert run.returncode == 0, run.stderr
 

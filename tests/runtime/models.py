@@ -123,7 +123,7 @@ def quick_case(name: str, *settings: str) -> Case:
     flags of its own keeps them.
     """
     with pytest.MonkeyPatch.context() as patch:
-        if not os.environ.get(MORE_FLAGS):
+        if os.environ.get(MORE_FLAGS, "-O1") == "-O1":
             patch.setenv(MORE_FLAGS, "-O0")
         return make_case(raw_scene(name, *settings))
 

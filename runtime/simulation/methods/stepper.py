@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...model.library import Library
-from ..event_functions import Watch
 from ..smooth_arc import Arc, Frame
 from ..trajectory import Counts
 
@@ -20,6 +19,21 @@ MOST_STEPS = 1_000_000
 """Steps in a segment above which an integrator gives up."""
 CONSTANT = np.zeros(0)
 """Rates of the load signals of a model that has none."""
+
+
+class Borders(Protocol):
+    """Event functions: zero where the equations change.
+
+    Attributes
+    ----------
+    count
+        How many there are.
+    """
+
+    count: int
+
+    def distances(self, x: Vector, s: Vector) -> Vector:
+        """Return them for a state, levels and signals: positive before an event, zero at it, shape (count,)."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +50,7 @@ class SegmentProblem:
         Scaling.
     nodes
         Output times within a segment, in 0..1 with 1 last, shape (m,).
-    watch
+    events
         The event functions, for a stepper with root finding.
     """
 
@@ -45,7 +59,7 @@ class SegmentProblem:
     rtol: float
     frame: Frame
     nodes: Vector
-    watch: Watch
+    events: Borders
 
 
 class Stepper(Protocol):

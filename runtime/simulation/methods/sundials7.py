@@ -1,7 +1,7 @@
 """SUNDIALS 7 CVODE by scikit-sundae: the independent integrator.
 
-It continues from segment to segment without a restart, and restarts where the equations change. It is not given the
-switching instants: its root finding stops it where an event function falls to zero.
+It continues from segment to segment without a restart, and restarts where the equations change. It is not told where
+a switching is due: its own root finding stops it where an event function falls to zero.
 """
 
 import os
@@ -53,7 +53,7 @@ class SundaeStepper:
 
     def __init__(self, given: SegmentProblem) -> None:
         library, frame = given.library, given.frame
-        self.counts, self.last, self.frame, self.nodes, self.watch = Counts(), 0.0, frame, given.nodes, given.watch
+        self.counts, self.last, self.frame, self.nodes, self.events = Counts(), 0.0, frame, given.nodes, given.events
         self.levels, self.size = len(library.manifest.levels), len(frame.scale)
         problem = scaled_problem(library, library.functions, ca.MX)
         arguments = [problem["t"], problem["x"], problem["p"]]
@@ -94,12 +94,12 @@ class SundaeStepper:
         matrix[self.entries] = self.jacobian(t, y[:-1], self.parameters)[0]
 
     def _make_distances(self) -> Callable[[float, Vector, Vector], None]:
-        """Evaluate the event functions for CVODE, which detects falling zeros only."""
+        """Return the event functions as CVODE asks for them, which counts them where they fall to zero only."""
 
         def distances(t: float, y: Vector, out: Vector) -> None:
-            out[:] = self.watch.distances(self.frame.origin + self.frame.scale * y[:-1], self._signals(t))
+            out[:] = self.events.distances(self.frame.origin + self.frame.scale * y[:-1], self._signals(t))
 
-        distances.direction = [-1] * self.watch.count  # type: ignore[attr-defined]
+        distances.direction = [-1] * self.events.count  # type: ignore[attr-defined]
         return distances
 
     def _signals(self, t: float) -> Vector:
@@ -140,7 +140,7 @@ class SundaeStepper:
         part = self.part
         part["origin"][:], part["s"][:], part["slope"][:] = origin, s, slope
         y = np.append(z, 0.0)
-        count = self.watch.count
+        count = self.events.count
         borders = {"eventsfn": self._make_distances(), "num_events": count} if count else {}
         # A new solver: one that is used again keeps a list of all roots it has ever found.
         self.solver = CVODE(self._rate, **self.options, **borders)

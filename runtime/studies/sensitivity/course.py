@@ -13,7 +13,6 @@ from ...model.load_tables import Signals
 from ...model.operating_point import OperatingPoint
 from ...simulation.dense_output import Chebyshev
 from ...simulation.driver import March
-from ...simulation.failure import explain
 from ...simulation.method_limits import check_explicit
 from ...simulation.run_settings import RunSettings
 
@@ -111,7 +110,7 @@ def follow_course(point: OperatingPoint, settings: RunSettings) -> Course:
         try:
             march.proceed(segments=1)
         except RuntimeError as error:
-            reason = explain(march) or str(error).strip().splitlines()[-1]
+            reason = march.explain_failure() or str(error).strip().splitlines()[-1]
             stopped = f"{settings.method} stopped at t = {march.time:.6g} s (rtol {settings.rtol:g})"
             raise SolverError(f"{stopped}: {reason}") from error
         march.state.filled = 0

@@ -10,10 +10,10 @@ from typing import Any, Protocol
 
 from ltcgear.generated.errors import LtcgearError
 
+from .design import INSTALL
 from .faults import is_crash
 from .task import Plan, PointOutcome, forget_plan, keep_plan, run_point, start_process
 
-INSTALL = "pip install 'ltcgear[sweep]'"
 DIED = "the process died that computed this point, twice; {}"
 KILLED = "killed"
 """Status of a point whose process was killed from outside, twice."""

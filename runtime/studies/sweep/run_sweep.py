@@ -3,29 +3,34 @@
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import LtcgearError, MachineError
 
 from ...results.attributes import to_attributes
 from ...results.row_file import part_of
 from ...simulation.low_pass import BAND
 from ...simulation.run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings, check_options
 from .design import Design, draw_design
-from .execution import Pool, Processes, check_joblib
-from .filling import SKIPPED, fill
+from .execution import KILLED, Pool, Processes, check_joblib, compute_points
+from .faults import is_machines, stopped_by_machine
 from .metrics import find_metric
-from .planning import Told, check_points, choose_common_rate, make_plan
+from .planning import Told, check_points, choose_common_rate, make_plan, prepare
 from .summary import summarise
 from .sweep_axes import read_axes
-from .sweep_file import Store, check_store, load_sweep
+from .sweep_file import GO_ON, Store, check_store, load_sweep
 from .sweep_reading import design_of
-from .task import Maker, Plan, PointOutcome
+from .task import UNBUILT, Maker, Plan, PointOutcome, find_places
 
 MOST_WORKERS = 1024
+SKIPPED = "left out by --skip"
+"""Status of a point that was not to be computed."""
+MOST_KILLED = 8
+"""Points whose processes are killed from outside after which a sweep stops."""
 
 
 def sweep(
@@ -51,7 +56,7 @@ def sweep(
 ) -> dict[str, Any]:
     """Simulate a scene at many points and keep metrics of each, one row a point, in a NetCDF4 file.
 
-    Rows go to ``NAME.part.nc`` as they come. Where the sweep was stopped or killed, the same call goes on and
+    Rows go to ``NAME.part.nc`` as they come. If the sweep was stopped or killed, the same call resumes it and
     computes what is missing; the file is the same to the last bit. A point that fails is a row with its reason; where
     the machine fails the sweep stops.
 
@@ -212,3 +217,80 @@ def tell_kept(target: Path) -> str:
         if part.exists() and load_sweep(part).sizes["point"]:
             return f"rows are kept in {part}, the same command goes on"
     return "no row was there yet; the same command begins anew"
+
+
+# --- missing points
+
+
+def fill(plan: Plan, store: Store, pool: Pool, told: Told) -> None:
+    """Compute the missing points and add their rows.
+
+    Raises
+    ------
+    MachineError
+        If the machine fails, at once, or if processes were killed from outside, once all other points are done.
+    """
+    missing, killed = store.missing(), list[int]()
+    while missing:
+        unbuilt: list[int] = []
+        for outcome in _outcomes(plan, missing, pool, store):
+            if outcome.status == UNBUILT:
+                unbuilt.append(outcome.point)
+                continue
+            if outcome.status == KILLED:
+                killed.append(outcome.point)
+                if len(killed) == MOST_KILLED:
+                    raise _told_killed(killed, store)
+                continue
+            store.add(outcome)
+            told("simulate", len(store.done), plan.design.size, store.failed)
+        with stopped_by_machine(partial(_advise, store)):
+            missing = [point for point in unbuilt if not _build_late(plan, store, point)]
+        if unbuilt:
+            told("simulate", len(store.done), plan.design.size, store.failed)
+    if killed:
+        raise _told_killed(killed, store)
+
+
+def _outcomes(plan: Plan, points: Sequence[int], pool: Pool, store: Store) -> Iterator[PointOutcome]:
+    """Compute points; where the machine fails, say what is kept."""
+    with stopped_by_machine(partial(_advise, store)):
+        yield from compute_points(plan, points, pool)
+
+
+def _advise(store: Store) -> str:
+    """Say what to do where the machine failed."""
+    return f"no fault of the model: mend it and {GO_ON}, or leave a point out with --skip; {_kept(store)}"
+
+
+def _kept(store: Store) -> str:
+    """Say how many rows are kept."""
+    return f"{len(store.done)} of {store.design.size} rows are kept"
+
+
+def _told_killed(killed: Sequence[int], store: Store) -> MachineError:
+    """Say which points' processes were killed."""
+    points = ", ".join(store.design.tell(point) for point in killed)
+    skip = " ".join(f"--skip {point}" for point in killed)
+    return MachineError(
+        f"{points}: the process was killed from outside, twice, as where memory runs out; see that there is memory or "
+        f"give fewer --workers, and {GO_ON}, or leave out what cannot be computed with {skip}; {_kept(store)}"
+    )
+
+
+def _build_late(plan: Plan, store: Store, point: int) -> bool:
+    """Build the variant of a point whose structure neither lists nor ends of axes show; say whether that failed."""
+    changes = plan.design.changes(point)
+    key = plan.maker.make(changes)[0]
+    if key in plan.models:
+        return False
+    try:
+        artifact, row, _ = prepare(plan.maker, changes, plan.metrics, plan.settings)
+        find_places(row, plan.form)
+    except LtcgearError as error:
+        if is_machines(error):
+            raise
+        store.add(PointOutcome(point, str(error)))
+        return True
+    plan.models[key], plan.rows[key] = artifact, row
+    return False

@@ -19,7 +19,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("module", ["typer", "rich.table", "rich.console"])
+@pytest.mark.parametrize("module", ["typer", "rich.padding", "rich.console"])
 def test_a_stop_while_all_is_imported_is_quiet(module):
     code = INTERRUPTING.format(module=module, handler="default_int_handler")
     ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

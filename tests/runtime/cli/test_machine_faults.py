@@ -25,7 +25,6 @@ def test_what_a_machine_lacks_is_one_message(monkeypatch, run, error, told):
     def lacking(**given):
         raise error
 
-    monkeypatch.setattr(printed, "scenes", lacking)
     monkeypatch.setattr(printed, "show", lambda as_json, data, people: lacking())
     code, out, err = run("scenes")
     assert (code, out, err.count("\n")) == (2, "", 1)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.runtime.model.load_tables import Signals
+from ltcgear.runtime.simulation.contact_events import EventFunctions
 from ltcgear.runtime.simulation.driver import LONGEST, March
-from ltcgear.runtime.simulation.event_functions import Watch
 from ltcgear.runtime.simulation.methods import registry
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.simulation.methods.stepper import SegmentProblem
@@ -132,8 +132,11 @@ def test_a_segment_that_its_nodes_do_not_resolve_is_integrated_again():
 
 def test_every_integrator_is_one_record_that_makes_its_stepper():
     c = case("psh")
-    frame, watch = Frame(c.at.x, np.ones(len(c.at.x))), Watch(SimpleNamespace(index=()), None, c.p, np.zeros(0))
-    problem = SegmentProblem(c.library, c.p, 1e-6, frame, np.array([1.0]), watch)
+    frame, events = (
+        Frame(c.at.x, np.ones(len(c.at.x))),
+        EventFunctions(SimpleNamespace(index=()), None, c.p, np.zeros(0)),
+    )
+    problem = SegmentProblem(c.library, c.p, 1e-6, frame, np.array([1.0]), events)
     for name, method in METHODS.items():
         made = method.make(problem)
         assert method.name == name

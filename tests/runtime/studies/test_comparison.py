@@ -232,3 +232,9 @@ def test_a_table_stands_in_markdown_as_it_is_given():
     table = Table("T", ("a", "b [Hz]"), (("one", 0.5), ("two", None)), ("note",))
     assert table.to_markdown() == "| a | b [Hz] |\n| --- | --- |\n| one | 0.5 |\n| two | - |\n"
     assert table.numeric == (False, True)
+
+
+def test_numbers_stand_on_the_right_also_where_they_are_written_out():
+    rows = (("sun", "1.50", "+3 %", "-", "1.2e+09 given"), ("ring", "-12", "", None, "1e-3"))
+    assert Table("t", tuple("abcde"), rows).numeric == (False, True, True, True, False)
+    assert Table("t", ("a",), ()).numeric == (False,)

@@ -18,7 +18,8 @@ REFUSALS = {
 """Case and method -> the reason, where a refusal is the right answer."""
 STOPPED = ("closing",)
 """Cases whose run is to stop, so that nothing is counted."""
-LEFT = {("closing", "sundae"): "a minute or two of Python called back; `ltcgear selftest` runs it"}
+LONG = ("closing", "wrap", "in-phase", "on-output", "dead-band", "no-damping")
+LEFT = {(name, "sundae"): "long in Python called back at each step; `ltcgear selftest` runs it" for name in LONG}
 """What is not run here, and why."""
 PAIRS = [(name, method) for name, case in CASES.items() for method in (METHODS if case.integrates else ("-",))]
 

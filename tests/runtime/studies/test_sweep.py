@@ -16,7 +16,7 @@ from ltcgear.generated.errors import LtcgearError, MachineError, SceneError, Sol
 from ltcgear.runtime import build, load, load_sweep, simulate, sweep
 from ltcgear.runtime.results.result import save
 from ltcgear.runtime.results.row_file import part_of
-from ltcgear.runtime.studies.sweep import filling as sweeping
+from ltcgear.runtime.studies.sweep import run_sweep as sweeping
 from ltcgear.runtime.studies.sweep import task
 from ltcgear.symbolic import Template
 from ltcgear.symbolic.scene.load import SHIPPED

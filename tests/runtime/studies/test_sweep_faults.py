@@ -9,7 +9,7 @@ from ltcgear.generated.errors import CompileError, LtcgearError, MachineError, S
 from ltcgear.runtime import load_sweep, simulate, sweep
 from ltcgear.runtime.results.row_file import part_of
 from ltcgear.runtime.simulation import method_limits
-from ltcgear.runtime.studies.sweep import filling, planning, task
+from ltcgear.runtime.studies.sweep import planning, run_sweep, task
 from ltcgear.symbolic import Template
 
 VARY = ["loads.ring.speed=5 rpm:20 rpm:4"]
@@ -103,9 +103,9 @@ def test_a_late_variant_that_the_machine_cannot_build_is_no_row(tmp_path, monkey
     def failing(*arguments):
         raise CompileError("no room for the library")
 
-    late = filling.PointOutcome(0, task.UNBUILT)
-    monkeypatch.setattr(filling, "compute_points", lambda plan, points, pool: [late] if 0 in points else [])
-    monkeypatch.setattr(filling, "_build_late", failing)
+    late = run_sweep.PointOutcome(0, task.UNBUILT)
+    monkeypatch.setattr(run_sweep, "compute_points", lambda plan, points, pool: [late] if 0 in points else [])
+    monkeypatch.setattr(run_sweep, "_build_late", failing)
     with pytest.raises(CompileError, match=r"no room for the library; .*run the same command again.*0 of 4 rows"):
         sweep(Template("lsp"), VARY, tmp_path / "a.nc", **FEW)
 

@@ -2,7 +2,7 @@
 
 import pytest
 from ltcgear.runtime.results.table import Table
-from ltcgear.runtime.view.tables import book_printed, modes_printed, printed, resonance_printed
+from ltcgear.runtime.view.tables import mode_tables, printed, resonance_tables, scene_tables
 
 EVIL = "\x1b]0;owned\x07\x1b[2J\x9b31mred\u202egnp.\u2066x\x08\x7f[bold]\ud800"
 ACTS = ("\x1b", "\x07", "\x9b", "\u202e", "\u2066", "\x08", "\x7f", "\ud800")
@@ -37,6 +37,7 @@ def test_no_command_prints_what_acts(capsys):
     check = {"name": EVIL, "note": EVIL, "passed": False, "value": 1.0, "tolerance": 1.0}
     crossing = {"crossing": EVIL, "at": 1.0, "frequency_hz": 1.0, "margin": 0.0, "force_per_um": 1.0, "force": 1.0}
     campbell = {"axis": "load", "crossings": [crossing | {"modes": [1]}], "modes": [mode | {"mode": 1}], "orders": [1]}
+    campbell |= {"values": [0.0, 1.0], "unit": "1", "home": 1.0}
     book = {"chapters": [], "checks": {"passed": 1, "failed": 0}, "paper": {}, "bytes": 1, "equations": 1}
     variant = {
         "effect": "a",
@@ -50,15 +51,15 @@ def test_no_command_prints_what_acts(capsys):
     variant |= {"changes": dict.fromkeys(("rms", "peak", "share", "spectrum"))}
     modes = {"meshes": "mean", "modes": [mode], "lowest": False, "freedoms": 1, "files": [EVIL]}
     for presented in (
-        lambda: printed.scenes({"scenes": [{"name": "a", "title": EVIL}]}),
+        lambda: printed.listed(scene_tables.list_scenes({"scenes": [{"name": "a", "title": EVIL}]})),
         lambda: printed.simulated(simulated(EVIL)),
         lambda: printed.analysed(analysed, [table], [EVIL]),
         lambda: printed.paper_verdicts({"equations": [verdict]}),
-        lambda: printed.checks({"checks": [check]}),
+        lambda: printed.listed(scene_tables.list_checks({"checks": [check]})),
         lambda: printed.generated({"files": [EVIL], "library": EVIL, "ops": {EVIL: 1}, "seconds": {}}),
-        lambda: modes_printed.modes(modes, {name: name for name in mode["members"]}),
-        lambda: resonance_printed.campbell(campbell | {"values": [0.0, 1.0], "unit": "1", "home": 1.0}),
-        lambda: book_printed.book(book | {"scene": EVIL, "file": EVIL, "key": EVIL}),
+        lambda: printed.listed(mode_tables.tabulate_modes(modes, {name: name for name in mode["members"]}), [EVIL]),
+        lambda: printed.listed(resonance_tables.tabulate_crossings(campbell)),
+        lambda: printed.listed(scene_tables.list_book(book | {"scene": EVIL, "file": EVIL, "key": EVIL})),
         lambda: printed.costs({"variants": [variant]}),
         table.print,
     ):  # fmt: skip

@@ -1,4 +1,4 @@
-"""Terminal output of ``ltcgear stability``."""
+"""Tables of Floquet multipliers and of the stability chart."""
 
 from typing import TYPE_CHECKING, Any
 

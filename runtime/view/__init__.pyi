@@ -1,0 +1,14 @@
+from .figures.cycle_figures import draw_range_means as draw_range_means
+from .figures.cycle_figures import draw_ranges as draw_ranges
+from .figures.gallery import draw_survey as draw_survey
+from .figures.load_figures import draw_bearings as draw_bearings
+from .figures.load_figures import draw_forces as draw_forces
+from .figures.load_figures import draw_load_duration as draw_load_duration
+from .figures.load_figures import draw_shares as draw_shares
+from .figures.load_figures import draw_transmission_error as draw_transmission_error
+from .figures.orbit_figures import draw_orbits as draw_orbits
+from .figures.spectrum_figures import draw_envelope as draw_envelope
+from .figures.spectrum_figures import draw_spectrogram as draw_spectrogram
+from .figures.spectrum_figures import draw_spectrum as draw_spectrum
+from .figures.spectrum_figures import draw_waterfall as draw_waterfall
+from .tables.analysis_tables import list_tables as list_tables

@@ -1,0 +1,14 @@
+from .assembly import build_model as build_model
+from .checks.all_checks import check_model as check_model
+from .checks.paper import check_paper as check_paper
+from .emit.pipeline import generate as generate
+from .emit.template import Template as Template
+from .mechanics.equations import derive as derive
+from .scene.builder import SceneBuilder as SceneBuilder
+from .scene.load import describe_scene as describe_scene
+from .scene.load import load_scene as load_scene
+from .scene.load import make_scene as make_scene
+from .scene.load import read_source as read_source
+from .scene.load import restore_scene as restore_scene
+from .scene.load import shipped_scenes as shipped_scenes
+from .scene.steering import steer_loads as steer_loads
