@@ -138,7 +138,7 @@ class Table:
 
 
 def _is_number(cell: Cell) -> bool:
-    """Tell whether a cell is a number, or nothing, also where that is written out."""
+    """Return whether a cell is a number, or nothing, also where that is written out."""
     return not isinstance(cell, str) or NUMBER.fullmatch(cell) is not None
 
 

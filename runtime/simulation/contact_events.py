@@ -74,7 +74,7 @@ class Regimes:
 
 
 class EventFunctions:
-    """Distances of a motion from the borders of its cells and regimes, for integrators with root finding of their own.
+    """Event functions of mesh phases and contacts, for integrators with their own root finding.
 
     Parameters
     ----------
@@ -83,9 +83,9 @@ class EventFunctions:
     phases
         The function of the mesh phases.
     p
-        Parameters; the march changes them in place.
+        Parameters; the C changes them in place.
     cells
-        The cells of the mesh phases, kept by the march from now on.
+        The cells of the mesh phases, updated by the C from now on.
     """
 
     def __init__(self, regimes: Regimes, phases: Kernel, p: Vector, cells: Cells) -> None:
@@ -93,6 +93,6 @@ class EventFunctions:
         self.count = 2 * len(cells) + len(regimes.index)
 
     def distances(self, x: Vector, s: Vector) -> Vector:
-        """Return how far a state is from the borders, positive inside and zero at a border, shape (count,)."""
+        """Return the event functions at a state, positive before an event and zero at it, shape (count,)."""
         tau, _, share = self.phases(x, s, self.p)
         return np.concatenate([upper(self.cells, share) - tau, tau - lower(self.cells, share), self.regimes.seen(x, s)])

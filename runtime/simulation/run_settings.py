@@ -49,7 +49,7 @@ class RunSettings:
     verify
         Run the first samples at ``rtol`` and at a tenth of it as well: ``summary["accuracy"]``, see ``verify``.
     long
-        Begin a run too that is reckoned to take more than about an hour (``method_limits``); else it is refused.
+        Begin a run too that is estimated to take more than about an hour (``method_limits``); else it is refused.
     """
 
     t_end: float

@@ -322,8 +322,8 @@ class Dynamics:
     def _indicator_rates(self, t: float) -> Vector:
         """Return the rates of the indicators with the sides that are held, by a difference over a short time.
 
-        The state goes on by midpoint steps: a motion from rest under a load that rises leaves with the third power of
-        time.
+        The state is advanced by midpoint steps: a motion from rest under a load that rises leaves with the third power
+        of time.
         """
         x, first, step = self._arrays["x"], self._indicators(t), BRIEF / self._point.fastest
         start = x.copy()

@@ -22,7 +22,7 @@ CONSTANT = np.zeros(0)
 
 
 class Borders(Protocol):
-    """Distances from the borders at which laws change.
+    """Event functions: zero where the equations change.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Borders(Protocol):
     count: int
 
     def distances(self, x: Vector, s: Vector) -> Vector:
-        """Return them for a state, levels and signals: positive inside, zero at a border, shape (count,)."""
+        """Return them for a state, levels and signals: positive before an event, zero at it, shape (count,)."""
 
 
 @dataclass(frozen=True)

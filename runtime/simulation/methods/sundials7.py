@@ -1,7 +1,7 @@
 """SUNDIALS 7 CVODE by scikit-sundae: the independent integrator.
 
-It continues from segment to segment without a restart, and restarts where the equations change. It is not given the
-switching instants: its root finding stops it where an event function falls to zero.
+It continues from segment to segment without a restart, and restarts where the equations change. It is not told where
+a switching is due: its own root finding stops it where an event function falls to zero.
 """
 
 import os
@@ -94,7 +94,7 @@ class SundaeStepper:
         matrix[self.entries] = self.jacobian(t, y[:-1], self.parameters)[0]
 
     def _make_distances(self) -> Callable[[float, Vector, Vector], None]:
-        """Evaluate the event functions for CVODE, which detects falling zeros only."""
+        """Return the event functions as CVODE asks for them, which counts them where they fall to zero only."""
 
         def distances(t: float, y: Vector, out: Vector) -> None:
             out[:] = self.events.distances(self.frame.origin + self.frame.scale * y[:-1], self._signals(t))

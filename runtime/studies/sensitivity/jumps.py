@@ -61,7 +61,7 @@ class Jumps:
         Raises
         ------
         SolverError
-            If a border is only touched: then the instant has no derivative.
+            If a border is only touched, where the instant has no derivative.
         """
         x, s, p = before.x[-1], before.s_at(before.duration), before.p
         for (h_x, h_s, h_p), _, _ in self._steps(before, after, (s, p)):
@@ -80,7 +80,7 @@ class Jumps:
         Raises
         ------
         SolverError
-            If a border is only touched: then the instant has no derivative.
+            If a border is only touched, where the instant has no derivative.
         """
         x, s, p = before.x[-1], before.s_at(before.duration), before.p
         f = np.array(self.rhs(x, s, p)[0])

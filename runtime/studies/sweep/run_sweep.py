@@ -56,7 +56,7 @@ def sweep(
 ) -> dict[str, Any]:
     """Simulate a scene at many points and keep metrics of each, one row a point, in a NetCDF4 file.
 
-    Rows go to ``NAME.part.nc`` as they come. Where the sweep was stopped or killed, the same call goes on and
+    Rows go to ``NAME.part.nc`` as they come. If the sweep was stopped or killed, the same call resumes it and
     computes what is missing; the file is the same to the last bit. A point that fails is a row with its reason; where
     the machine fails the sweep stops.
 

@@ -145,7 +145,7 @@ def costs(data: Data) -> None:
 
 
 def paper_run(data: Data, tables: dict[str, Table]) -> None:
-    """Print the paper's tables beside the simulated ones, and where the figures are."""
+    """Print the paper's tables with the simulated values, and the place of the figures."""
     listed(tuple(tables.values()))
     simulated(data | {"forces": {}})
     for file in data["files"]:
