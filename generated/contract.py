@@ -25,10 +25,12 @@ function      arguments    results
 """
 
 import json
+import math
+import sys
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-FORMAT = 5
+FORMAT = 6
 HELD = 1e30
 """A force [N] or length [m] beyond all others, with which a regime is held."""
 MOST_SAMPLES = 1e8
@@ -47,6 +49,19 @@ PHYSICAL, GEOMETRY, COUNT, REGIME, HOMOTOPY, CONSTANT = ROLES = (
 )  # fmt: skip
 """Roles of parameters: a size of the gearbox or its loads; a radius, place, angle or phase; what follows from whole
 numbers of teeth and from sides; what holds a regime; what leads a solver to the equilibrium; no number of a gearbox."""
+CONTINUOUS = (PHYSICAL, GEOMETRY)
+"""Roles of what can change by a little, so that it has a derivative that means something."""
+LARGEST = sys.float_info.max
+ANY, POSITIVE, NOT_NEGATIVE, SHARE, DAMPER = ("any", "positive", "not negative", "share", "damper")
+BOUNDS = {
+    ANY: (-LARGEST, LARGEST),
+    POSITIVE: (sys.float_info.min, LARGEST),
+    NOT_NEGATIVE: (0.0, LARGEST),
+    SHARE: (sys.float_info.min, math.nextafter(1.0, 0.0)),
+    DAMPER: (0.0, LARGEST),
+}
+"""Kind of bounds -> what a parameter may be at least and at most, both included. A damper may be negative in Python: it
+then drives, as in a study of what grows."""
 
 
 @dataclass(frozen=True)
@@ -242,8 +257,8 @@ class Manifest:
         What follows the reference angle without end.
     bodies, connections
         The train.
-    roles
-        Of the parameters, by name.
+    roles, bounds
+        Of the parameters, by name: one of ``ROLES``, and one of the kinds of ``BOUNDS``.
     """
 
     key: str
@@ -260,6 +275,7 @@ class Manifest:
     bodies: tuple[RigidBody, ...] = ()
     connections: tuple[Connection, ...] = ()
     roles: dict[str, str] = field(default_factory=dict)
+    bounds: dict[str, str] = field(default_factory=dict)
     format: int = FORMAT
 
     def to_json(self) -> str:
@@ -300,7 +316,7 @@ class Manifest:
             tuple(Clock(**_tuples(item)) for item in raw["clocks"]),
             tuple(RigidBody(**_tuples(item)) for item in raw["bodies"]),
             tuple(Connection(**_tuples(item)) for item in raw["connections"]),
-            raw["roles"],
+            raw["roles"], raw["bounds"],
         )  # fmt: skip
 
 

@@ -1,5 +1,7 @@
 """Loads and drives of the model: reference speed, torques, tables over time, slip law."""
 
+from ltcgear.generated.contract import POSITIVE
+
 from ..elements.key import ElementKey
 from ..gears import train
 from ..schema.scene_schema import Load
@@ -25,7 +27,9 @@ def add_load(draft: Draft, name: str, load: Load) -> None:
         slip = load.slip
         bind = {
             "omega_s": draft.number(f"{key}.synchronous_speed", slip.synchronous_speed, "rad/s"),
-            "omega_b": draft.number(f"{key}.breakdown_slip_speed", train.breakdown_speed(slip), "rad/s"),
+            "omega_b": draft.number(
+                f"{key}.breakdown_slip_speed", train.breakdown_speed(slip), "rad/s", bounds=POSITIVE
+            ),
             "T_b": draft.number(f"{key}.breakdown_torque", slip.breakdown_torque, "N*m"),
         }
         draft.place(key, ElementKey("slip_torque"), (load.member,), key, **bind)

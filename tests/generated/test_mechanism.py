@@ -3,7 +3,20 @@
 from pathlib import Path
 
 import pytest
-from ltcgear.generated.contract import GEOMETRY, PHYSICAL, ROLES, Connection, Manifest, RigidBody
+from ltcgear.generated.contract import (
+    ANY,
+    BOUNDS,
+    DAMPER,
+    GEOMETRY,
+    NOT_NEGATIVE,
+    PHYSICAL,
+    POSITIVE,
+    ROLES,
+    SHARE,
+    Connection,
+    Manifest,
+    RigidBody,
+)
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.mechanism import list_bodies, list_connections
 from ltcgear.symbolic.scene.load import load_scene
@@ -69,12 +82,38 @@ def test_all_that_is_named_is_a_parameter(folder):
         assert {*joint.stiffness, joint.damping, joint.hold, joint.flank, *joint.radii, joint.teeth} <= known
     assert set(manifest.roles) == known - {""}
     assert set(manifest.roles.values()) <= set(ROLES)
+    assert set(manifest.bounds) == known - {""}
+    assert set(manifest.bounds.values()) <= set(BOUNDS)
 
 
 def test_roles_tell_sizes_from_places(rig):
     roles = rig[0].roles
     assert roles["lsp.pin.stiffness"] == PHYSICAL
     assert roles["lsp.planet.1.x_0"] == roles["psh.mesh.base_radius_1"] == GEOMETRY
+
+
+def test_bounds_are_told_by_who_declares_a_parameter(rig):
+    told = rig[0].bounds
+    wanted = {
+        "motor.inertia": POSITIVE, "lsp.ring.mass": POSITIVE, "psh.mesh.base_radius_2": POSITIVE,
+        "lsp.pin.stiffness": NOT_NEGATIVE, "lsp.sun_planet.stiffness_double": NOT_NEGATIVE, "lsp.pin.damping": DAMPER,
+        "couplings.input_shaft.damping": DAMPER, "lsp.sun_planet.single_share": SHARE, "lsp.planet.1.x_0": ANY,
+        "loads.generator.torque": ANY,
+    }  # fmt: skip
+    assert {name: told[name] for name in wanted} == wanted
+
+
+def test_bounds_of_what_laws_divide_by():
+    rubbing = {
+        "effects.mesh_friction": "pitch-point",
+        "stages.psh.mesh.friction": '{ coefficient = 0.05, damping = "10 N*s/m" }',
+    }  # fmt: skip
+    numbers = {item.name: item.bounds for item in build_model(load_scene("psh", rubbing)).parameters}
+    assert (numbers["psh.mesh.friction.speed"], numbers["psh.mesh.friction.damping"]) == (POSITIVE, DAMPER)
+    series = build_model(load_scene("lsp", {"effects.mesh_stiffness": "fourier"}))
+    numbers = {item.name: item.bounds for item in series.parameters}
+    assert numbers["lsp.sun_planet.stiffness_mean"] == NOT_NEGATIVE  # amplitudes have either sign
+    assert numbers["lsp.sun_planet.stiffness_cos_1"] == ANY
 
 
 def test_flanks_with_backlash_are_two_connections():

@@ -5,13 +5,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ltcgear.generated.contract import Manifest
+from ltcgear.generated.contract import BOUNDS, LARGEST, Manifest
 from ltcgear.generated.errors import LtcgearError
 
 from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.operating_point import OperatingPoint
-from ...model.parameter_bounds import ANY, bounds_of
 from ...model.parameter_values import name_values
 from ...model.quantity_names import LONG_NAMES
 from ...results.dataset import speed_ratio
@@ -104,7 +103,7 @@ class Interface:
         self.point = OperatingPoint(library, self.p, self.at)
         self.nominal = [float(size) for size in self.point.scale]
         self.fixed = fixed_parameters(library.manifest)
-        self.bounds = [bounds_of(name, unit) for name, unit in self.manifest.parameters]
+        self.bounds = [BOUNDS[self.manifest.bounds[name]] for name, _ in self.manifest.parameters]
         self.inputs = list(_inputs(self.manifest, run, inputs, exchange))
         self.rotors = [(i, r.item) for i, r in enumerate(self.manifest.reports) if r.quantity == "twist"]
         number = name_values(self.manifest, self.p)
@@ -161,7 +160,7 @@ class Interface:
             if self.fixed[i]:
                 yield None
                 continue
-            low, high = (None if abs(bound) == ANY else bound for bound in self.bounds[i])
+            low, high = (None if abs(bound) == LARGEST else bound for bound in self.bounds[i])
             # Where the speed of the reference is free, it is a state, and the parameter what it begins with.
             name = INITIAL_SPEED if any(state.name == name for state in self.manifest.states) else name
             yield Variable(
