@@ -111,12 +111,24 @@ class Report:
 
 @dataclass(frozen=True)
 class Signal:
-    """One load signal: name, SI unit, the table it is read from, and whether it is that table's slope in time."""
+    """One load signal.
+
+    Attributes
+    ----------
+    name, unit
+        Its name, and its SI unit.
+    table, slope
+        The table it is read from, and whether it is that table's slope in time.
+    quantity
+        What it is of its load: ``loads.NAME.torque`` or ``.speed``, as a scene gives it where it is constant, or
+        ``loads.NAME.acceleration``.
+    """
 
     name: str
     unit: str
     table: str
     slope: bool
+    quantity: str
 
 
 @dataclass(frozen=True)
@@ -204,8 +216,11 @@ class Connection:
         Of a mesh: 1 external, -1 internal; 0 of what is no mesh.
     back
         Whether it is the flank of a mesh that is not loaded.
-    flank, radii, teeth
-        Parameters of a mesh: which side is loaded, base radii of gear 1 and 2, teeth of gear 1 (``""``: not known).
+    flank, radii, teeth, profile
+        Parameters of a mesh: which side is loaded, base radii of gear 1 and 2, teeth of gear 1 (``""``: not known), and
+        those of its stiffness over the phase, where it has no other.
+    law
+        Of a load: its torque, a parameter or a signal; or synchronous speed, breakdown slip speed and breakdown torque.
     """
 
     name: str
@@ -221,6 +236,8 @@ class Connection:
     flank: str = ""
     radii: tuple[str, ...] = ()
     teeth: str = ""
+    profile: tuple[str, ...] = ()
+    law: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -73,9 +73,9 @@ class Draft:
         """Register the parameter that holds the regime on one side of a border."""
         return self.number(HOLD + border, 0.0, unit, REGIME)
 
-    def signal(self, name: str, unit: str, table: str, pairs: Pairs, slope: bool = False) -> str:
+    def signal(self, name: str, unit: str, table: str, pairs: Pairs, quantity: str, slope: bool = False) -> str:
         """Register a load signal with its table, and return its name."""
-        self.signals[name] = Signal(name, unit, table, slope)
+        self.signals[name] = Signal(name, unit, table, slope, quantity)
         self.tables[table] = pairs
         return name
 

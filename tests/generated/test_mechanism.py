@@ -21,6 +21,7 @@ from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.mechanism import list_bodies, list_connections
 from ltcgear.symbolic.scene.load import load_scene
 
+ENDS = ("synchronous_speed", "breakdown_slip_speed", "breakdown_torque")
 HOME = Path(__file__).parents[2] / "generated"
 
 
@@ -133,3 +134,31 @@ def test_points_of_members_are_no_members():
     assert [item.name for item in list_bodies(model)] == ["psh.input", "psh.output"]
     mesh = next(item for item in list_connections(model) if item.kind == "mesh")
     assert mesh.bodies == ("psh.input", "psh.output")
+
+
+@pytest.mark.parametrize("kind", ["two-level", "fourier", "mean"])
+def test_a_mesh_tells_the_parameters_of_its_stiffness(kind):
+    model = build_model(load_scene("psh", {"effects.mesh_stiffness": kind}))
+    [mesh] = (item for item in list_connections(model) if item.kind == "mesh")
+    units = {item.name: item.unit for item in model.parameters if "stiffness" in item.name and "mesh" in item.name}
+    assert {*mesh.stiffness, *mesh.profile} == units.keys()
+    assert bool(mesh.profile) == (kind == "fourier")
+
+
+def test_load_signals_tell_what_they_are_of_a_load():
+    rows = '{ member = "psh.input", speed_over_time = [["0 s", "0 rpm"], ["1 s", "600 rpm"]] }'
+    signals = build_model(load_scene("psh", {"loads.input": rows})).signals
+    assert [(item.quantity, item.slope) for item in signals] == [
+        ("loads.input.speed", False), ("loads.input.acceleration", True),
+    ]  # fmt: skip
+    assert {item.table for item in signals} == {"loads.input.speed_over_time"}
+
+
+def test_loads_tell_their_torque_or_slip_law():
+    slip = '{ synchronous_speed = "1500 rpm", breakdown_torque = "30 kN*m", breakdown_slip = 0.05 }'
+    constant = {item.item: item.law for item in list_connections(build_model(load_scene("rig-2mw"))) if item.law}
+    assert constant == {"generator": ("loads.generator.torque",)}
+    machine = build_model(load_scene("rig-2mw", {"loads.generator": f'{{ member = "generator", slip = {slip} }}'}))
+    assert {item.item: item.law for item in list_connections(machine) if item.law} == {
+        "generator": tuple(f"loads.generator.{end}" for end in ENDS)
+    }

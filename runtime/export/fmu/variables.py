@@ -27,7 +27,6 @@ STATISTICS = {"mean": "mean", "rms": "root mean square", "min": "least", "max": 
 """Statistics of a mesh force over a communication step, in the order of the C's structure."""
 OUTPUTS = ("output", "angle", "count", "statistic")
 """Kinds that are outputs of the FMU."""
-OVER_TIME = "_over_time"
 STATES = {
     "reference angle": "angle of the reference",
     "reference speed": "speed of the reference",
@@ -219,11 +218,10 @@ def _inputs(manifest: Manifest, run: PlainRun, wanted: Sequence[str], exchange: 
     """Yield the inputs that stand for some tables; where the slope of one counts, that follows it."""
     tables = list(dict.fromkeys(signal.table for signal in manifest.signals))
     for table in wanted:
-        units = {signal.slope: signal.unit for signal in manifest.signals if signal.table == table}
-        name = table.removesuffix(OVER_TIME)
-        yield Input(name, units[False], float(run.tables[table][0][1]), tables.index(table), False)
-        if exchange and True in units:
-            yield Input(f"{name.rpartition('.')[0]}.acceleration", units[True], 0.0, tables.index(table), True)
+        first, place = float(run.tables[table][0][1]), tables.index(table)
+        for signal in (signal for signal in manifest.signals if signal.table == table):
+            if exchange or not signal.slope:
+                yield Input(signal.quantity, signal.unit, 0.0 if signal.slope else first, place, signal.slope)
 
 
 def _describe_input(item: Input, exchange: bool) -> str:
