@@ -45,7 +45,7 @@ class ComparedSamples:
     signals: dict[str, dict[str, Signal]]
     phases: dict[str, Vector]
     groups: list[list[str]]
-    reference: tuple[str, ...]
+    reference: tuple[str, ...] = ()
 
     def moves(self, size: float) -> bool:
         """Say whether any state moves that far from its start, over its scale; the reference turns without that."""
