@@ -111,6 +111,7 @@ def test_bounds_of_what_laws_divide_by():
     }  # fmt: skip
     numbers = {item.name: item.bounds for item in build_model(load_scene("psh", rubbing)).parameters}
     assert (numbers["psh.mesh.friction.speed"], numbers["psh.mesh.friction.damping"]) == (POSITIVE, DAMPER)
+    assert numbers["psh.output.bearing.stiffness"] == NOT_NEGATIVE
     series = build_model(load_scene("lsp", {"effects.mesh_stiffness": "fourier"}))
     numbers = {item.name: item.bounds for item in series.parameters}
     assert numbers["lsp.sun_planet.stiffness_mean"] == NOT_NEGATIVE  # amplitudes have either sign
