@@ -22,8 +22,8 @@ from ltcgear.runtime.linear.system import Linear, linearise
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.model.members import train_of
 from ltcgear.runtime.model.operating_point import OperatingPoint
-from ltcgear.runtime.results.train_record import group_of
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.table9 import tell_loads
 from ltcgear.symbolic.assembly import build_model
@@ -58,6 +58,7 @@ class Rig:
     def __init__(self, reading: dict[str, str], unknowns: list[Unknown]) -> None:
         self.reading, self.unknowns = reading, unknowns
         self.library: Library = build(obtain(build_model(load_scene(SCENE, reading))))
+        self.train = train_of(self.library.manifest)
         self.named = {target.output.partition(":")[2]: target for target in rig_targets()}
 
     def numbers(self, z: Vector) -> dict[str, float]:
@@ -73,7 +74,7 @@ class Rig:
         result = simulate(self.library, self.numbers(z), t_end=t_end, rate=RATE, method="erk", rtol=rtol)
         groups: dict[str, list[dict[str, float]]] = {}
         for mesh, found in result.summary["forces"].items():
-            groups.setdefault(group_of(mesh), []).append(found)
+            groups.setdefault(self.train.group(mesh), []).append(found)
         return {
             group: {key: float(np.mean([item[key] for item in items])) for key in ("mean", "amplitude", "load_factor")}
             for group, items in groups.items()
@@ -94,7 +95,7 @@ class Rig:
         forces = self.forces(z, SPAN.t_end, 1e-4)
         return np.array(
             [
-                (forces[group_of(mesh)]["load_factor"] - target.value) / target.sigma
+                (forces[self.train.group(mesh)]["load_factor"] - target.value) / target.sigma
                 for mesh, target in self.named.items()
             ]
         )

@@ -17,6 +17,7 @@ from ltcgear.runtime.linear.system import linearise
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.model.members import train_of
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.view.figures.resonance_figures import draw_campbell, draw_response
 from ltcgear.symbolic.assembly import build_model
@@ -56,7 +57,9 @@ def response() -> dict[str, Any]:
     library, p = built()
     linear = linearise(OperatingPoint(library, p, find_equilibrium(library, p)))
     modes = describe_modes(linear, find_modes(linear))
-    return tell_response(SCENE, respond(linear, EXCITED, choose_frequencies(modes, 10.0)), modes)
+    return tell_response(
+        SCENE, respond(linear, EXCITED, choose_frequencies(modes, 10.0)), modes, train_of(library.manifest)
+    )
 
 
 def table(data: dict[str, Any]) -> str:

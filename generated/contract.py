@@ -25,10 +25,12 @@ function      arguments    results
 """
 
 import json
+import math
+import sys
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-FORMAT = 5
+FORMAT = 6
 HELD = 1e30
 """A force [N] or length [m] beyond all others, with which a regime is held."""
 MOST_SAMPLES = 1e8
@@ -47,6 +49,19 @@ PHYSICAL, GEOMETRY, COUNT, REGIME, HOMOTOPY, CONSTANT = ROLES = (
 )  # fmt: skip
 """Roles of parameters: a size of the gearbox or its loads; a radius, place, angle or phase; what follows from whole
 numbers of teeth and from sides; what holds a regime; what leads a solver to the equilibrium; no number of a gearbox."""
+CONTINUOUS = (PHYSICAL, GEOMETRY)
+"""Roles of what can change by a little, so that it has a derivative that means something."""
+LARGEST = sys.float_info.max
+ANY, POSITIVE, NOT_NEGATIVE, SHARE, DAMPER = ("any", "positive", "not negative", "share", "damper")
+BOUNDS = {
+    ANY: (-LARGEST, LARGEST),
+    POSITIVE: (sys.float_info.min, LARGEST),
+    NOT_NEGATIVE: (0.0, LARGEST),
+    SHARE: (sys.float_info.min, math.nextafter(1.0, 0.0)),
+    DAMPER: (0.0, LARGEST),
+}
+"""Kind of bounds -> what a parameter may be at least and at most, both included. A damper may be negative in Python: it
+then drives, as in a study of what grows."""
 
 
 @dataclass(frozen=True)
@@ -96,12 +111,24 @@ class Report:
 
 @dataclass(frozen=True)
 class Signal:
-    """One load signal: name, SI unit, the table it is read from, and whether it is that table's slope in time."""
+    """One load signal.
+
+    Attributes
+    ----------
+    name, unit
+        Its name, and its SI unit.
+    table, slope
+        The table it is read from, and whether it is that table's slope in time.
+    quantity
+        What it is of its load: ``loads.NAME.torque`` or ``.speed``, as a scene gives it where it is constant, or
+        ``loads.NAME.acceleration``.
+    """
 
     name: str
     unit: str
     table: str
     slope: bool
+    quantity: str
 
 
 @dataclass(frozen=True)
@@ -189,8 +216,11 @@ class Connection:
         Of a mesh: 1 external, -1 internal; 0 of what is no mesh.
     back
         Whether it is the flank of a mesh that is not loaded.
-    flank, radii, teeth
-        Parameters of a mesh: which side is loaded, base radii of gear 1 and 2, teeth of gear 1 (``""``: not known).
+    flank, radii, teeth, profile
+        Parameters of a mesh: which side is loaded, base radii of gear 1 and 2, teeth of gear 1 (``""``: not known), and
+        those of its stiffness over the phase, where it has no other.
+    law
+        Of a load: its torque, a parameter or a signal; or synchronous speed, breakdown slip speed and breakdown torque.
     """
 
     name: str
@@ -206,6 +236,8 @@ class Connection:
     flank: str = ""
     radii: tuple[str, ...] = ()
     teeth: str = ""
+    profile: tuple[str, ...] = ()
+    law: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -242,8 +274,8 @@ class Manifest:
         What follows the reference angle without end.
     bodies, connections
         The train.
-    roles
-        Of the parameters, by name.
+    roles, bounds
+        Of the parameters, by name: one of ``ROLES``, and one of the kinds of ``BOUNDS``.
     """
 
     key: str
@@ -260,6 +292,7 @@ class Manifest:
     bodies: tuple[RigidBody, ...] = ()
     connections: tuple[Connection, ...] = ()
     roles: dict[str, str] = field(default_factory=dict)
+    bounds: dict[str, str] = field(default_factory=dict)
     format: int = FORMAT
 
     def to_json(self) -> str:
@@ -300,7 +333,7 @@ class Manifest:
             tuple(Clock(**_tuples(item)) for item in raw["clocks"]),
             tuple(RigidBody(**_tuples(item)) for item in raw["bodies"]),
             tuple(Connection(**_tuples(item)) for item in raw["connections"]),
-            raw["roles"],
+            raw["roles"], raw["bounds"],
         )  # fmt: skip
 
 

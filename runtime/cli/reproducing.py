@@ -25,6 +25,7 @@ Quick = Annotated[
 ]
 RIGS = {"assumed": "rig-2mw", "fitted": "rig-2mw-fitted"}
 FLOATING = {"sun floats": "floating-on", "sun on a stiff bearing": "floating-off"}
+SUN_MESHES = "lsp.sun_planet"
 STEP, STEP_END = 0.5, 2.5
 
 
@@ -129,8 +130,10 @@ def _transient(changes: list[str] | None) -> Any:  # noqa: ANN401
 
 def _shares(scene: str) -> list[float]:
     """Return each planet's mean force at the sun over that of all."""
-    forces = _simulate(scene, None, 1.0).summary["forces"]
-    means = [abs(value["mean"]) for name, value in forces.items() if ".sun_planet." in name]
+    from ..analysis.sharing import list_groups
+
+    result = _simulate(scene, None, 1.0)
+    means = [abs(result.summary["forces"][mesh]["mean"]) for mesh in list_groups(result.dataset)[SUN_MESHES]]
     return [mean * len(means) / sum(means) for mean in means]
 
 

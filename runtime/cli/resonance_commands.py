@@ -87,6 +87,7 @@ def response(
     from ..linear.naming import describe_modes
     from ..linear.resonance import tell_response, write_response
     from ..linear.response import choose_frequencies, respond
+    from ..model.members import train_of
     from ..view.figures.resonance_figures import draw_response
     from ..view.tables.resonance_tables import tabulate_response
 
@@ -95,7 +96,7 @@ def response(
     linear = open_linear(opened)
     modes = describe_modes(linear, find_modes(linear))
     found = respond(linear, excite, choose_frequencies(modes, lowest, highest))
-    data = tell_response(opened.scene.name, found, modes)
+    data = tell_response(opened.scene.name, found, modes, train_of(linear.library.manifest))
     printed.show_tables(as_json, data, tabulate_response)
     _write(output, data, as_json, write_response, draw_response)
 

@@ -99,14 +99,13 @@ def _elements(manifest: Manifest) -> list[Connection]:
 
 
 def _owners(elements: dict[str, Connection], stiffnesses: list[str]) -> csr_array:
-    """Return which elements have a stiffness, 1 or 0, shape (stiffnesses, elements): all of a group, or one.
-
-    The names of an element's parameters begin with its own name, or with that of its group.
-    """
-    places: dict[str, set[int]] = {}
-    for k, element in enumerate(elements.values()):
-        for name in (element.name, element.group):
-            places.setdefault(name, set()).add(k)
-    pairs = [(i, k) for i, name in enumerate(stiffnesses) for k in places.get(name.rpartition(".")[0], ())]
+    """Return which elements have a stiffness, 1 or 0, shape (stiffnesses, elements): all of a group, or one."""
+    place = {name: i for i, name in enumerate(stiffnesses)}
+    pairs = [
+        (place[name], k)
+        for k, element in enumerate(elements.values())
+        for name in (*element.stiffness, *element.profile)
+        if name in place
+    ]
     rows, columns = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     return csr_array((np.ones(len(pairs)), (rows, columns)), shape=(len(stiffnesses), len(elements)))

@@ -219,7 +219,7 @@ def check_periodic(library: Library) -> None:
         )
     if manifest.signals:
         named = list(dict.fromkeys(signal.table for signal in manifest.signals))
-        constant = ", ".join(name.removesuffix("_over_time") for name in named)
+        constant = ", ".join(signal.quantity for signal in manifest.signals if not signal.slope)
         raise LtcgearError(
             f"stability: nothing is periodic where loads change over time; give {constant} in place of "
             f"{', '.join(named)}"

@@ -9,6 +9,7 @@ import numpy as np
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import write_rows
 
+from ..model.members import Train
 from .campbell import UNITS, Campbell
 from .crossings import Crossing
 from .modes import Mode
@@ -74,7 +75,7 @@ def _tell_crossing(crossing: Crossing) -> Data:
     }
 
 
-def tell_response(scene: str, response: Response, modes: Sequence[Mode]) -> Data:
+def tell_response(scene: str, response: Response, modes: Sequence[Mode], train: Train) -> Data:
     """Report amplitudes, phases and peaks of every output; a peak without damping has no amplitude."""
     return {
         "scene": scene,
@@ -86,11 +87,11 @@ def tell_response(scene: str, response: Response, modes: Sequence[Mode]) -> Data
              "name": m.name}
             for k, m in enumerate(modes, start=1)
         ],
-        "outputs": [_tell_output(response, column, modes) for column in range(len(response.outputs))],
+        "outputs": [_tell_output(response, column, modes, train) for column in range(len(response.outputs))],
     }  # fmt: skip
 
 
-def _tell_output(response: Response, column: int, modes: Sequence[Mode]) -> Data:
+def _tell_output(response: Response, column: int, modes: Sequence[Mode], train: Train) -> Data:
     """Report one output."""
     quantity, item, unit = response.outputs[column]
     values = response.values[:, column]
@@ -105,6 +106,7 @@ def _tell_output(response: Response, column: int, modes: Sequence[Mode]) -> Data
     return {
         "quantity": quantity,
         "item": item,
+        "group": train.group(item),
         "unit": f"{unit}/({response.unit})" if "*" in response.unit else f"{unit}/{response.unit}",
         "amplitude": np.abs(values).tolist(),
         "phase_deg": np.rad2deg(np.angle(values)).tolist(),

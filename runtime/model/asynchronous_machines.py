@@ -23,21 +23,17 @@ def past_breakdown(library: Library, x: Vector, s: Vector, p: Vector) -> Iterato
     """
     names = [name for name, _ in library.manifest.parameters]
     told = {r.item: i for i, r in enumerate(library.manifest.reports) if r.quantity == "load_torque"}
-    loads = {item.group: told[item.item] for item in library.manifest.connections if item.kind == "load"}
     outputs = Kernel(library.functions["outputs"])
-    for key, column in loads.items():
-        if f"{key}.breakdown_slip_speed" not in names:
-            continue
-        synchronous, slip, most = (
-            names.index(f"{key}.{end}") for end in ("synchronous_speed", "breakdown_slip_speed", "breakdown_torque")
-        )
-        moved = p.copy()
+    for machine in (item for item in library.manifest.connections if len(item.law) == 3):
+        synchronous, slip, most = map(names.index, machine.law)
+        column, moved = told[machine.item], p.copy()
         moved[synchronous] += NUDGE * p[slip]
         torque, after = (float(outputs(x, s, given)[0][column]) for given in (p, moved))
         part = min(abs(torque / p[most]), 1.0)
         if after < torque and part > 0:
             times = (1 + np.sqrt(1 - part**2)) / part
             yield (
-                f"{key}: turns at {times:.3g} times its breakdown slip at the end, where its torque falls the further "
-                "it goes; simulate longer if it is still starting, else lower the load or raise breakdown_torque"
+                f"{machine.group}: turns at {times:.3g} times its breakdown slip at the end, where its torque falls "
+                "the further it goes; simulate longer if it is still starting, else lower the load or raise "
+                "breakdown_torque"
             )

@@ -1,5 +1,6 @@
 """Members and meshes of a train by name: stage, part, group, and what holds a member."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from ltcgear.generated.contract import Connection, Manifest
@@ -56,8 +57,10 @@ class Train:
         return found.stage or name if found else name
 
     def group(self, name: str) -> str:
-        """Return the group of a mesh or pin; the flank of a mesh that is not loaded is a group of its own."""
-        return self.joints[name].group if name in self.joints else name
+        """Return the group of a mesh, pin or planet; the flank of a mesh that is not loaded is a group of its own."""
+        if name in self.joints:
+            return self.joints[name].group
+        return f"{self.members[name].stage}.{PLANET}" if self.is_planet(name) else name
 
     def front(self, mesh: str) -> str:
         """Return the mesh that a flank belongs to."""
@@ -95,3 +98,12 @@ def train_of(manifest: Manifest) -> Train:
         {b.name: TrainMember(b.stage, b.part, b.mass, b.place, held.get(b.name, "")) for b in manifest.bodies},
         {item.item: joint(item) for item in manifest.connections if item.kind in ("mesh", "pin")},
     )
+
+
+def unite_trains(trains: Iterable[Train]) -> Train:
+    """Return all that occurs in the variants of a train."""
+    united = Train()
+    for train in trains:
+        united.members.update(train.members)
+        united.joints.update(train.joints)
+    return united

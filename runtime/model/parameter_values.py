@@ -1,24 +1,25 @@
-"""Parameter values and tables that a caller gives, each by a known name or refused."""
+"""Parameter values, tables and arrays that a caller gives, each by a known name or refused."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, TypeGuard
 
 import numpy as np
-from ltcgear.generated.contract import Manifest
+from ltcgear.generated.contract import BOUNDS, NOT_NEGATIVE, POSITIVE, SHARE, Manifest
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
-
-from .arguments import read_numbers
-from .parameter_bounds import ANY, bounds_of
 
 Vector = NDArray[np.float64]
 Pairs = Sequence[tuple[float, float]]
 
 MOST_FAULTS = 8
 """Most faults in one message."""
-DRIVING = ("N*s/m", "N*m*s/rad")
-"""Units of dampers, which may be negative in Python, as in a study of growing motion."""
+REFUSALS = {
+    POSITIVE: "must be greater than zero",
+    NOT_NEGATIVE: "must not be negative",
+    SHARE: "must lie between 0 and 1",
+}
+"""Kind of bounds -> what a number beyond them must be."""
 SHOWN = 60
 """Characters of a wrong value shown in a message."""
 
@@ -40,7 +41,7 @@ def value_faults(manifest: Manifest, values: Mapping[str, float]) -> Iterator[st
             yield f"{name} is missing; begin with the model's values (model.values()) and replace some"
     yield from _strangers(values, units, "parameter")
     for name, unit in units.items():
-        reason = _reason(name, unit, values[name]) if name in values else ""
+        reason = _reason(manifest.bounds[name], values[name]) if name in values else ""
         if reason:
             yield f"{name} = {values[name]!r:.{SHOWN}}: {reason} [{unit or '1'}]"
 
@@ -83,7 +84,7 @@ def is_number(value: object) -> TypeGuard[float]:
     return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
-def _reason(name: str, unit: str, value: object) -> str:
+def _reason(bounds: str, value: object) -> str:
     """Return why a number cannot be taken, ``""`` if it can."""
     try:
         number = float(value) if is_number(value) else np.nan
@@ -91,12 +92,27 @@ def _reason(name: str, unit: str, value: object) -> str:
         number = np.inf
     if not np.isfinite(number):
         return "must be a finite number"
-    low, high = bounds_of(name, unit)
-    if low <= number <= high or (unit in DRIVING and number < 0):
-        return ""
-    if high < ANY:
-        return "must lie between 0 and 1"
-    return "must be greater than zero" if low > 0 else "must not be negative"
+    low, high = BOUNDS[bounds]
+    return "" if low <= number <= high else REFUSALS.get(bounds, "")
+
+
+def read_numbers(given: Any, name: str) -> Vector:  # noqa: ANN401
+    """Return an argument as an array of real numbers."""
+    try:
+        array = np.asarray(given)
+    except ValueError as error:
+        raise LtcgearError(f"{name}: {error}") from error
+    if array.dtype.kind not in "fiu":
+        raise LtcgearError(f"{name}: numbers of type {array.dtype}; must be real numbers, best float64")
+    return np.ascontiguousarray(array, dtype=np.float64).reshape(array.shape)
+
+
+def read_time(t: Any) -> float:  # noqa: ANN401
+    """Return a time as a number."""
+    array = read_numbers(t, "t")
+    if array.ndim:
+        raise LtcgearError(f"t: shape {array.shape}, must be one number, a time in seconds")
+    return float(array)
 
 
 def _rows(name: str, given: Pairs) -> Vector:

@@ -24,7 +24,7 @@ def read_train(dataset: "xr.Dataset") -> Train:
     """Return the train of a result, or of a span of it."""
     if TRAIN in dataset.attrs:
         return _read(dataset.attrs[TRAIN])
-    names = (str(name) for key, index in dataset.indexes.items() if key != "time" for name in index)
+    names = (str(name) for index in dataset.indexes.values() if index.dtype.kind in "OU" for name in index)
     return _by_names(tuple(dict.fromkeys(names)))
 
 
@@ -36,8 +36,8 @@ def _read(text: str) -> Train:
     return Train(members, {name: Joint(**one) for name, one in found["joints"].items()})
 
 
-def group_of(name: str) -> str:
-    """Return what equal items share by their names alone, as tables of sweeps hold them: all but the number."""
+def _group_of(name: str) -> str:
+    """Return what equal items share by their names alone: all but the number."""
     head, _, tail = name.rpartition(".")
     return head if tail.isdigit() else name
 
@@ -53,7 +53,7 @@ def _by_names(names: tuple[str, ...]) -> Train:
         stage, dot, rest = name.partition(".")
         part = rest.partition(".")[0]
         held = f"{stage}.pin" if part == PLANET else f"{name}.bearing"
-        group = group_of(name)
+        group = _group_of(name)
         members[name] = TrainMember(stage if dot else "", part, f"{group}.mass", (f"{name}.x_0", f"{name}.y_0"), held)
         if dot:
             joints[name] = Joint(stage, group, name.removesuffix(BACK))

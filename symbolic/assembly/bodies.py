@@ -2,7 +2,7 @@
 
 from math import sqrt
 
-from ltcgear.generated.contract import CLOSING, CONSTANT, COUNT, HOMOTOPY
+from ltcgear.generated.contract import CLOSING, CONSTANT, COUNT, DAMPER, HOMOTOPY, POSITIVE
 
 from ..elements.key import ElementKey
 from ..gears.train_members import inertia_of, is_fixed
@@ -36,6 +36,7 @@ def add_body(
     """Add a body; equal planets share the parameters of ``kin``."""
     leader = draft.leaders.get(name)
     turning = "led" if leader else turning_of(draft.scene, draft.rigid, name, member)
+    own = turning not in ("held", "led")  # inertia of its own
     runs = turning != "held" and draft.rigid.mode != "rest" and draft.rigid.ratios[kin] != 0.0
     if lateral:
         draft.turn(f"{frame}.frame", draft.frames[frame])
@@ -44,8 +45,8 @@ def add_body(
     draft.bodies.append(
         Body(
             name, ("x", "y") * lateral + ("u",) * (turning == "free"), turning,
-            draft.number(f"{kin}.mass", mass, "kg") if lateral else None,
-            draft.number(f"{kin}.inertia", inertia, "kg*m^2") if turning not in ("held", "led") else None,
+            draft.number(f"{kin}.mass", mass, "kg", bounds=POSITIVE) if lateral else None,
+            draft.number(f"{kin}.inertia", inertia, "kg*m^2", bounds=POSITIVE) if own else None,
             draft.number(f"{kin}.speed_ratio", draft.rigid.ratios[kin], "", COUNT) if runs else None,
             place, frame, leader, seat, static_moment(draft, name) if lateral else None,
             kin.removeprefix(f"{frame}.") if frame else "rotor",
@@ -59,13 +60,13 @@ def _damper(
     """Register the damper of a spring: given, 2 zeta sqrt(k m), or Rayleigh's; None if there is none."""
     factors = draft.rayleigh
     if factors is not None and factors.stiffness:
-        return draft.number(f"{key}.damping", factors.stiffness * item.stiffness, unit)
+        return draft.number(f"{key}.damping", factors.stiffness * item.stiffness, unit, bounds=DAMPER)
     if not draft.on("damping"):
         return None
     value = item.damping
     if value is None and item.damping_ratio is not None:
         value = 2 * item.damping_ratio * sqrt(item.stiffness * inertia)
-    return None if value is None else draft.number(f"{key}.damping", value, unit)
+    return None if value is None else draft.number(f"{key}.damping", value, unit, bounds=DAMPER)
 
 
 def _origin(draft: Draft, place: tuple[str, str] | None) -> dict[str, str]:
@@ -76,7 +77,7 @@ def _origin(draft: Draft, place: tuple[str, str] | None) -> dict[str, str]:
 
 def _ground_bearing(draft: Draft, name: str, bearing: Bearing, mass: float, place: tuple[str, str] | None) -> None:
     """Add the bearing of a member in the housing; a damping ratio refers to the member's own mass."""
-    bind = {"k": draft.number(f"{name}.bearing.stiffness", bearing.stiffness, "N/m")}
+    bind = {"k": draft.stiffness(f"{name}.bearing.stiffness", bearing.stiffness)}
     damper = _damper(draft, f"{name}.bearing", bearing, mass, "N*s/m")
     if damper:
         bind["c"] = damper
@@ -100,7 +101,7 @@ def _clearance(draft: Draft, label: str, key: str, bearing: Bearing) -> dict[str
 
 def _torsional_support(draft: Draft, name: str, support: TorsionalSupport, inertia: float) -> None:
     """Add a torsional spring to the housing."""
-    bind = {"k_t": draft.number(f"{name}.torsional_support.stiffness", support.stiffness, "N*m/rad")}
+    bind = {"k_t": draft.stiffness(f"{name}.torsional_support.stiffness", support.stiffness, "N*m/rad")}
     damper = _damper(draft, f"{name}.torsional_support", support, inertia, "N*m*s/rad")
     if damper:
         bind["c_t"] = damper
@@ -114,7 +115,7 @@ def add_coupling(draft: Draft, name: str, coupling: Coupling) -> None:
     if draft.scene.effects["torsional_shafts"] == "rigid":
         return
     inertia = reduced(swinging(draft, one), swinging(draft, two))
-    bind = {"k_t": draft.number(f"couplings.{name}.stiffness", coupling.stiffness, "N*m/rad")}
+    bind = {"k_t": draft.stiffness(f"couplings.{name}.stiffness", coupling.stiffness, "N*m/rad")}
     damper = _damper(draft, f"couplings.{name}", coupling, inertia, "N*m*s/rad")
     if damper:
         bind["c_t"] = damper
@@ -125,7 +126,7 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
     """Add the bearing of one planet on the carrier."""
     bodies = (f"{name}.carrier", f"{name}.planet.{number}")
     bind = {
-        "k": draft.number(f"{name}.pin.stiffness", stage.pin.stiffness, "N/m"),
+        "k": draft.stiffness(f"{name}.pin.stiffness", stage.pin.stiffness),
         "x_0": place[0],
         "y_0": place[1],
     }
@@ -142,9 +143,9 @@ def add_pin(draft: Draft, name: str, number: int, stage: Planetary, place: tuple
             label, ElementKey(f"{group}_friction"), bodies, **bind,
             mu=draft.number(f"{name}.pin.friction", pin.friction, ""),
             d_b=draft.number(f"{name}.pin.diameter", pin.diameter or 0.0, "m"),
-            c_r=draft.number(f"{name}.pin.friction_damping", pin.friction_damping or 0.0, "N*m*s/rad"),
-            omega_0=draft.number(f"{name}.pin.friction_speed", pin.friction_speed, "rad/s"),
-            F_0=draft.number(f"{name}.pin.friction_load", pin.friction_load, "N"),
+            c_r=draft.number(f"{name}.pin.friction_damping", pin.friction_damping or 0.0, "N*m*s/rad", bounds=DAMPER),
+            omega_0=draft.number(f"{name}.pin.friction_speed", pin.friction_speed, "rad/s", bounds=POSITIVE),
+            F_0=draft.number(f"{name}.pin.friction_load", pin.friction_load, "N", bounds=POSITIVE),
         )  # fmt: skip
 
 
@@ -155,7 +156,11 @@ def add_gravity(draft: Draft) -> None:
             _weigh(draft, body, body.mass)
         elif body.turning != "held" and is_unbalanced(draft, body.name):
             # What sits unevenly on a carrier that only turns still turns it by its weight.
-            _weigh(draft, body, draft.number(f"{body.name}.seated_mass", seated(draft.scene, body.name)[0], "kg"))
+            _weigh(
+                draft,
+                body,
+                draft.number(f"{body.name}.seated_mass", seated(draft.scene, body.name)[0], "kg", bounds=POSITIVE),
+            )
 
 
 def _weigh(draft: Draft, body: Body, mass: str) -> None:

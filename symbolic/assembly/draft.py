@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 
-from ltcgear.generated.contract import GEOMETRY, PHYSICAL, REGIME, Clock, Signal
+from ltcgear.generated.contract import ANY, GEOMETRY, NOT_NEGATIVE, PHYSICAL, REGIME, Clock, Signal
 
 from ..elements.axes import PLANE
 from ..elements.key import ElementKey
@@ -60,18 +60,22 @@ class Draft:
     tables: dict[str, Pairs] = field(default_factory=dict)
     clocks: list[Clock] = field(default_factory=list)
 
-    def number(self, name: str, value: float, unit: str, role: str = PHYSICAL) -> str:
+    def number(self, name: str, value: float, unit: str, role: str = PHYSICAL, bounds: str = ANY) -> str:
         """Register a parameter and return its name."""
-        self.parameters[name] = Parameter(name, float(value), unit, role)
+        self.parameters[name] = Parameter(name, float(value), unit, role, bounds)
         return name
+
+    def stiffness(self, name: str, value: float, unit: str = "N/m") -> str:
+        """Register the stiffness of a spring."""
+        return self.number(name, value, unit, bounds=NOT_NEGATIVE)
 
     def hold(self, border: str, unit: str) -> str:
         """Register the parameter that holds the regime on one side of a border."""
         return self.number(HOLD + border, 0.0, unit, REGIME)
 
-    def signal(self, name: str, unit: str, table: str, pairs: Pairs, slope: bool = False) -> str:
+    def signal(self, name: str, unit: str, table: str, pairs: Pairs, quantity: str, slope: bool = False) -> str:
         """Register a load signal with its table, and return its name."""
-        self.signals[name] = Signal(name, unit, table, slope)
+        self.signals[name] = Signal(name, unit, table, slope, quantity)
         self.tables[table] = pairs
         return name
 
@@ -94,12 +98,11 @@ class Draft:
             replace(item, element=replace(item.element, live=(live,) * len(item.bodies))) for item in self.instances
         )
 
-    def series(self, name: str, series: list[float], unit: str) -> tuple[str, ...]:
-        """Note mean and amplitudes of a series."""
-        names = [f"{name}_mean"]
-        for n in range(1, len(series) // 2 + 1):
-            names += [f"{name}_cos_{n}", f"{name}_sin_{n}"]
-        return tuple(self.number(key, value, unit) for key, value in zip(names, series, strict=True))
+    def series(self, name: str, series: list[float], unit: str, bounds: str = ANY) -> tuple[str, ...]:
+        """Register mean and amplitudes of a series; the bounds are those of the mean."""
+        names = [f"{name}_{part}_{n}" for n in range(1, len(series) // 2 + 1) for part in ("cos", "sin")]
+        mean = self.number(f"{name}_mean", series[0], unit, bounds=bounds)
+        return mean, *(self.number(key, value, unit) for key, value in zip(names, series[1:], strict=True))
 
     @property
     def rayleigh(self) -> Rayleigh | None:

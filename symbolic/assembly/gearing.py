@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from math import cos, pi, sin, sqrt
 
-from ltcgear.generated.contract import BACK, COUNT, GEOMETRY, HOMOTOPY, PULL, VARYING, Clock
+from ltcgear.generated.contract import BACK, COUNT, DAMPER, GEOMETRY, HOMOTOPY, POSITIVE, PULL, VARYING, Clock
 
 from ..elements.key import ElementKey, Option
 from ..gears import gear_geometry
@@ -26,8 +26,8 @@ def add_mesh(draft: Draft, at: MeshPlace) -> None:
     at.sense = -1 if _relative(draft, at) * (draft.rigid.speed or 1.0) < 0 else 1
     at.backwards = sign * at.sense < 0
     bind = {
-        "r_1": draft.number(f"{name}.base_radius_1", geometry.r1, "m", GEOMETRY),
-        "r_2": draft.number(f"{name}.base_radius_2", geometry.r2, "m", GEOMETRY),
+        "r_1": draft.number(f"{name}.base_radius_1", geometry.r1, "m", GEOMETRY, POSITIVE),
+        "r_2": draft.number(f"{name}.base_radius_2", geometry.r2, "m", GEOMETRY, POSITIVE),
         "s": draft.number(f"{name}.flank", sign, "", COUNT),
     }
     bodies = _teeth(draft, at)
@@ -146,7 +146,7 @@ def _mesh_damping(
         mass = reduced(one / geometry.r1**2, two / geometry.r2**2)
         value = 2 * at.mesh.damping_ratio * sqrt(mean * mass)
     if value:
-        bind["c"] = draft.number(f"{at.name}.damping", value, "N*s/m")
+        bind["c"] = draft.number(f"{at.name}.damping", value, "N*s/m", bounds=DAMPER)
 
 
 def _phase(draft: Draft, at: MeshPlace) -> None:

@@ -1,5 +1,7 @@
 """Loads and drives of the model: reference speed, torques, tables over time, slip law."""
 
+from ltcgear.generated.contract import POSITIVE
+
 from ..elements.key import ElementKey
 from ..gears import train
 from ..schema.scene_schema import Load
@@ -12,8 +14,9 @@ def add_reference(draft: Draft) -> None:
     lead = leads.get(draft.rigid.member, "")
     pairs = draft.scene.loads[lead].speed_over_time if lead else None
     if pairs is not None:
-        draft.signal("reference.speed", "rad/s", f"loads.{lead}.speed_over_time", pairs)
-        draft.signal("reference.acceleration", "rad/s^2", f"loads.{lead}.speed_over_time", pairs, slope=True)
+        key, table = f"loads.{lead}", f"loads.{lead}.speed_over_time"
+        draft.signal("reference.speed", "rad/s", table, pairs, f"{key}.speed")
+        draft.signal("reference.acceleration", "rad/s^2", table, pairs, f"{key}.acceleration", slope=True)
     elif draft.rigid.mode != "rest":
         draft.number("reference.speed", draft.rigid.speed, "rad/s")
 
@@ -25,12 +28,15 @@ def add_load(draft: Draft, name: str, load: Load) -> None:
         slip = load.slip
         bind = {
             "omega_s": draft.number(f"{key}.synchronous_speed", slip.synchronous_speed, "rad/s"),
-            "omega_b": draft.number(f"{key}.breakdown_slip_speed", train.breakdown_speed(slip), "rad/s"),
+            "omega_b": draft.number(
+                f"{key}.breakdown_slip_speed", train.breakdown_speed(slip), "rad/s", bounds=POSITIVE
+            ),
             "T_b": draft.number(f"{key}.breakdown_torque", slip.breakdown_torque, "N*m"),
         }
         draft.place(key, ElementKey("slip_torque"), (load.member,), key, **bind)
     elif load.torque_over_time is not None:
-        torque = draft.signal(f"{key}.torque", "N*m", f"{key}.torque_over_time", load.torque_over_time)
+        name = f"{key}.torque"
+        torque = draft.signal(name, "N*m", f"{key}.torque_over_time", load.torque_over_time, name)
         draft.place(key, ElementKey("external_torque"), (load.member,), key, T=torque)
     elif load.torque is not None:
         torque = draft.number(f"{key}.torque", load.torque, "N*m")

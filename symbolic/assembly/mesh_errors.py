@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from math import atan2, cos, sin, sqrt
 
-from ltcgear.generated.contract import COUNT, GEOMETRY
+from ltcgear.generated.contract import COUNT, GEOMETRY, SHARE
 
 from ..gears import gear_geometry, mesh_stiffness
 from ..mechanics.model import ERROR, ERROR_RATE, Profile
@@ -42,7 +42,7 @@ def _tooth_errors(draft: Draft, at: MeshPlace) -> Iterator[Profile]:
             continue
         teeth = at.wheels[parts.index(item.gear)].teeth
         key = f"{at.name}.tooth_error_{number}"
-        share = draft.number(f"{at.name}.single_share", gear_geometry.single_share(*at.geometry), "")
+        share = draft.number(f"{at.name}.single_share", gear_geometry.single_share(*at.geometry), "", bounds=SHARE)
         numbers = (
             draft.number(key, item.error, "m"),
             draft.number(f"{key}.tooth", item.tooth, "", COUNT),

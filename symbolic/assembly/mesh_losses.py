@@ -1,6 +1,6 @@
 """Mesh friction: at the pitch point, or at the contacts of the teeth."""
 
-from ltcgear.generated.contract import BACK, GEOMETRY
+from ltcgear.generated.contract import BACK, DAMPER, GEOMETRY, POSITIVE, SHARE
 
 from ..elements.key import ElementKey
 from ..gears import gear_geometry
@@ -24,13 +24,13 @@ def add_friction(draft: Draft, at: MeshPlace, bodies: tuple[str, ...], law: str,
     assert friction is not None
     bind = place | {
         "mu": draft.number(f"{at.name}.friction.coefficient", friction.coefficient, ""),
-        "v_0": draft.number(f"{at.name}.friction.speed", friction.speed, "m/s"),
+        "v_0": draft.number(f"{at.name}.friction.speed", friction.speed, "m/s", bounds=POSITIVE),
     }
     sliding = draft.scene.effects["mesh_friction"] == "sliding"
     if sliding:
         bind |= _contacts(draft, at)
     else:
-        bind["c_t"] = draft.number(f"{at.name}.friction.damping", friction.damping or 0.0, "N*s/m")
+        bind["c_t"] = draft.number(f"{at.name}.friction.damping", friction.damping or 0.0, "N*s/m", bounds=DAMPER)
     flanks = [i for i in draft.instances if i.group == "mesh" and i.name in (at.label, at.label + BACK)]
     for flank in flanks:
         shared = {key: value for key, value in flank.bind.items() if key not in NOT_OF_FRICTION}
@@ -47,5 +47,5 @@ def _contacts(draft: Draft, at: MeshPlace) -> dict[str, str]:
         "tau": PHASE,
         "z_1": f"{at.name}.teeth_1",
         "xi_m": draft.number(f"{at.name}.path_middle", (lowest + highest) / 2, "m", GEOMETRY),
-        "varsigma": draft.number(f"{at.name}.single_share", gear_geometry.single_share(*at.geometry), ""),
+        "varsigma": draft.number(f"{at.name}.single_share", gear_geometry.single_share(*at.geometry), "", bounds=SHARE),
     }

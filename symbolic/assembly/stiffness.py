@@ -1,5 +1,7 @@
 """Mesh stiffness of the model: constant, two levels, or a profile over the mesh phase."""
 
+from ltcgear.generated.contract import NOT_NEGATIVE, SHARE
+
 from ..gears import gear_geometry, mesh_stiffness
 from ..mechanics.model import LEVEL, SLOPE, STIFFNESS, Profile
 from ..schema.mesh_schema import TRANSITION
@@ -11,17 +13,17 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
     chosen, geometry = draft.scene.effects["mesh_stiffness"], at.geometry
     if chosen == "table" and at.mesh.stiffness_table is not None:
         series = mesh_stiffness.table_series(at.mesh.stiffness_table, at.mesh.harmonics)
-        _follow(draft, at, "series", draft.series(f"{at.name}.stiffness", series, "N/m"), bind)
+        _follow(draft, at, "series", draft.series(f"{at.name}.stiffness", series, "N/m", NOT_NEGATIVE), bind)
         return series[0]
     single, double = mesh_stiffness.levels(*geometry)
     if double is None:
-        bind["k"] = draft.number(f"{at.name}.stiffness", single, "N/m")
+        bind["k"] = draft.stiffness(f"{at.name}.stiffness", single)
         return single
     share = gear_geometry.single_share(*geometry)
     mean = single * share + double * (1 - share)
     computed = mesh_stiffness.is_computed(at.mesh)
     if chosen in ("mean", "table"):
-        bind["k"] = draft.number(f"{at.name}.stiffness", mean, "N/m")
+        bind["k"] = draft.stiffness(f"{at.name}.stiffness", mean)
     elif chosen == "smooth":
         width = draft.number(f"{at.name}.transition", min(at.mesh.transition or TRANSITION, share, 1 - share), "")
         _follow(draft, at, "smooth", (*_levels(draft, at, single, double, share), width), bind)
@@ -31,9 +33,9 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
             if computed
             else mesh_stiffness.two_level_series(single, double, share, at.mesh.harmonics)
         )
-        _follow(draft, at, "series", draft.series(f"{at.name}.stiffness", series, "N/m"), bind)
+        _follow(draft, at, "series", draft.series(f"{at.name}.stiffness", series, "N/m", NOT_NEGATIVE), bind)
     elif chosen == "computed" and computed:
-        draft.number(f"{at.name}.single_share", share, "")
+        draft.number(f"{at.name}.single_share", share, "", bounds=SHARE)
         arcs = mesh_stiffness.arcs(*geometry, backwards=at.backwards)
         names = [f"{at.name}.stiffness_{part}_{i}" for part in ("single", "double") for i in range(3)]
         numbers = tuple(draft.number(name, value, "N/m") for name, value in zip(names, arcs, strict=True))
@@ -49,9 +51,9 @@ def bind_stiffness(draft: Draft, at: MeshPlace, bind: dict[str, str]) -> float:
 def _levels(draft: Draft, at: MeshPlace, single: float, double: float, share: float) -> tuple[str, str, str]:
     """Register the two levels of eq 9 and the share of single contact."""
     return (
-        draft.number(f"{at.name}.stiffness_single", single, "N/m"),
-        draft.number(f"{at.name}.stiffness_double", double, "N/m"),
-        draft.number(f"{at.name}.single_share", share, ""),
+        draft.stiffness(f"{at.name}.stiffness_single", single),
+        draft.stiffness(f"{at.name}.stiffness_double", double),
+        draft.number(f"{at.name}.single_share", share, "", bounds=SHARE),
     )
 
 

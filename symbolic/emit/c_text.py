@@ -91,6 +91,7 @@ def emit(model: Model, equations: Equations) -> Artifact:
         equations.reports, {name: _signature(function) for name, function in made.items()}, ca.CasadiMeta.version(),
         model.signals, equations.holds, model.clocks, list_bodies(model), list_connections(model),
         {parameter.name: parameter.role for parameter in model.parameters},
+        {parameter.name: parameter.bounds for parameter in model.parameters},
     )  # fmt: skip
     return Artifact(c, manifest, graphs)
 

@@ -8,6 +8,8 @@ from ..mechanics.model import Body, Instance, Model
 
 SINGLE, DAMPER, LEVELS = ("k", "k_t"), ("c", "c_t"), ("k_1", "k_2")
 """Parameter names of a stiffness, a damper, and the two stiffnesses of a mesh level."""
+LOADS = ("T", "omega_s", "omega_b", "T_b")
+"""Parameter names of a load torque, and of a slip law."""
 
 
 def list_bodies(model: Model) -> tuple[RigidBody, ...]:
@@ -28,7 +30,8 @@ def list_connections(model: Model) -> tuple[Connection, ...]:
     """List the connections of members, in the order of their outputs."""
     seats = {body.name: _seat(body) for body in model.bodies}
     teeth = {phase.name: phase.teeth for phase in model.phases}
-    return tuple(_connection(item, seats, teeth) for item in model.instances if item.family)
+    profiles = {profile.mesh: profile.numbers for profile in model.profiles if profile.quantity == "stiffness"}
+    return tuple(_connection(item, seats, teeth, profiles) for item in model.instances if item.family)
 
 
 def _seat(body: Body) -> str:
@@ -36,7 +39,9 @@ def _seat(body: Body) -> str:
     return body.seat or body.name if body.turning == "point" else body.name
 
 
-def _connection(instance: Instance, seats: dict[str, str], teeth: dict[str, str]) -> Connection:
+def _connection(
+    instance: Instance, seats: dict[str, str], teeth: dict[str, str], profiles: dict[str, tuple[str, ...]]
+) -> Connection:
     """Describe one connection."""
     kind, bind = make(instance.element).joins, instance.bind
     bodies = tuple(seats[name] for name in instance.bodies[:2])  # an orbiting mesh has its carrier as a third
@@ -46,11 +51,11 @@ def _connection(instance: Instance, seats: dict[str, str], teeth: dict[str, str]
     name = instance.name if kind in ("mesh", "pin") else instance.family
     shared = (name, instance.family, kind, instance.item, bodies, stiffness, damper, bind.get("hold", ""))
     if kind != "mesh":
-        return Connection(*shared)
+        return Connection(*shared, law=tuple(bind[key] for key in LOADS if key in bind))
     front = instance.name.removesuffix(BACK)
     return Connection(
         *shared, SIGN[str(instance.element["kind"])], front != instance.name, bind["s"], (bind["r_1"], bind["r_2"]),
-        teeth.get(front, ""),
+        teeth.get(front, ""), profiles.get(front, ()),
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ model whose C is already in the store needs no derivation.
 import json
 from dataclasses import dataclass, field
 
-from ltcgear.generated.contract import PHYSICAL, Clock, Signal
+from ltcgear.generated.contract import ANY, PHYSICAL, Clock, Signal
 
 from ..elements.axes import DEVIATIONS
 from ..elements.key import ElementKey
@@ -23,12 +23,13 @@ HOLD = "hold."
 
 @dataclass(frozen=True)
 class Parameter:
-    """A number of the model: dotted name, SI value, SI unit, and one of the contract's roles."""
+    """A number of the model: dotted name, SI value, SI unit, and the contract's role and kind of bounds."""
 
     name: str
     value: float
     unit: str
     role: str = PHYSICAL
+    bounds: str = ANY
 
 
 @dataclass(frozen=True)
@@ -199,7 +200,7 @@ class Model:
     def structure(self) -> str:
         """Return the structure that determines the C, as canonical JSON: no title, no numbers."""
         shape = {key: value for key, value in vars(self).items() if key not in UNSHAPED}
-        shape["parameters"] = [(p.name, p.unit, p.role) for p in self.parameters]
+        shape["parameters"] = [(p.name, p.unit, p.role, p.bounds) for p in self.parameters]
         return json.dumps(shape, sort_keys=True, separators=(",", ":"), default=vars)
 
     def values(self) -> dict[str, float]:

@@ -60,7 +60,7 @@ def artifact():
         store.digest([C, GRAPHS]), "rest", (State("a.u", "rad", "a", "u", "a.inertia", "deviation"),), ("m.1",),
         (("a.inertia", "kg*m^2"),),
         (Report("speed", "a", "rad/s", "rotor"),), {"rhs": signature}, "3.8.2",
-        (Signal("reference.acceleration", "rad/s^2", "loads.m.speed_over_time", True),),
+        (Signal("reference.acceleration", "rad/s^2", "loads.m.speed_over_time", True, "loads.m.acceleration"),),
         ("hold.m.1",), (Clock("m.1.phase", "m.teeth_1", "a.speed_ratio", "", ("m.tooth_error_0.teeth",), "m.1"),),
         (RigidBody("a", "m", "input", "m.carrier", ("a.x_0", "a.y_0"), "a.speed_ratio", "", "a.inertia", "m.r_1"),),
         (Connection("m.1.back", "m", "mesh", "m.1.back", ("a", "b"), ("m.k",), "m.c", "hold.m.1.back", -1, True),),

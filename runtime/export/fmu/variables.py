@@ -5,13 +5,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from ltcgear.generated.contract import Manifest
+from ltcgear.generated.contract import BOUNDS, LARGEST, Manifest
 from ltcgear.generated.errors import LtcgearError
 
 from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.operating_point import OperatingPoint
-from ...model.parameter_bounds import ANY, bounds_of
 from ...model.parameter_values import name_values
 from ...model.quantity_names import LONG_NAMES
 from ...results.dataset import speed_ratio
@@ -28,7 +27,6 @@ STATISTICS = {"mean": "mean", "rms": "root mean square", "min": "least", "max": 
 """Statistics of a mesh force over a communication step, in the order of the C's structure."""
 OUTPUTS = ("output", "angle", "count", "statistic")
 """Kinds that are outputs of the FMU."""
-OVER_TIME = "_over_time"
 STATES = {
     "reference angle": "angle of the reference",
     "reference speed": "speed of the reference",
@@ -104,7 +102,7 @@ class Interface:
         self.point = OperatingPoint(library, self.p, self.at)
         self.nominal = [float(size) for size in self.point.scale]
         self.fixed = fixed_parameters(library.manifest)
-        self.bounds = [bounds_of(name, unit) for name, unit in self.manifest.parameters]
+        self.bounds = [BOUNDS[self.manifest.bounds[name]] for name, _ in self.manifest.parameters]
         self.inputs = list(_inputs(self.manifest, run, inputs, exchange))
         self.rotors = [(i, r.item) for i, r in enumerate(self.manifest.reports) if r.quantity == "twist"]
         number = name_values(self.manifest, self.p)
@@ -161,7 +159,7 @@ class Interface:
             if self.fixed[i]:
                 yield None
                 continue
-            low, high = (None if abs(bound) == ANY else bound for bound in self.bounds[i])
+            low, high = (None if abs(bound) == LARGEST else bound for bound in self.bounds[i])
             # Where the speed of the reference is free, it is a state, and the parameter what it begins with.
             name = INITIAL_SPEED if any(state.name == name for state in self.manifest.states) else name
             yield Variable(
@@ -220,11 +218,10 @@ def _inputs(manifest: Manifest, run: PlainRun, wanted: Sequence[str], exchange: 
     """Yield the inputs that replace some tables, each followed by its slope where this is needed."""
     tables = list(dict.fromkeys(signal.table for signal in manifest.signals))
     for table in wanted:
-        units = {signal.slope: signal.unit for signal in manifest.signals if signal.table == table}
-        name = table.removesuffix(OVER_TIME)
-        yield Input(name, units[False], float(run.tables[table][0][1]), tables.index(table), False)
-        if exchange and True in units:
-            yield Input(f"{name.rpartition('.')[0]}.acceleration", units[True], 0.0, tables.index(table), True)
+        first, place = float(run.tables[table][0][1]), tables.index(table)
+        for signal in (signal for signal in manifest.signals if signal.table == table):
+            if exchange or not signal.slope:
+                yield Input(signal.quantity, signal.unit, 0.0 if signal.slope else first, place, signal.slope)
 
 
 def _describe_input(item: Input, exchange: bool) -> str:

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
-from ltcgear.generated.contract import CLOSING, PULL, VARYING, Manifest
+from ltcgear.generated.contract import BOUNDS, CLOSING, CONTINUOUS, PULL, VARYING, Manifest
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.store import digest
 
 from ...model.equilibrium import Vector, find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs, insert_zeros
-from ...model.parameter_bounds import bounds_of, is_continuous
 from ...model.phase_wrapping import ClockNumbers, read_courses
 from ...model.quantity_names import PHASES
 
@@ -76,12 +75,12 @@ def write_data(library: Library, name: str, run: PlainRun) -> str:
 def fixed_parameters(manifest: Manifest) -> list[bool]:
     """Return which parameters follow from structure or switch the model, and so cannot be set."""
     tied = set(chain.from_iterable((c.start, c.teeth, c.ratio, c.frame, *c.periods) for c in manifest.clocks))
-    return [not is_continuous(manifest.roles[name]) or name in tied for name, _ in manifest.parameters]
+    return [manifest.roles[name] not in CONTINUOUS or name in tied for name, _ in manifest.parameters]
 
 
 def _bounds(manifest: Manifest) -> Iterable[Iterable[str]]:
     """Return the least and the most values of all parameters."""
-    return zip(*(map(_real, bounds_of(name, unit)) for name, unit in manifest.parameters), strict=True)
+    return zip(*(map(_real, BOUNDS[manifest.bounds[name]]) for name, _ in manifest.parameters), strict=True)
 
 
 def _functions() -> list[str]:

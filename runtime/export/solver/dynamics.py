@@ -10,12 +10,12 @@ from ltcgear.generated.contract import HELD
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import ArrayLike, NDArray
 
-from ...model.arguments import read_numbers, read_time
 from ...model.contact_levels import AT_BORDER, Phases, cells_of
 from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs, Signals
 from ...model.operating_point import OperatingPoint
+from ...model.parameter_values import read_numbers, read_time
 from ...results.select import split_output
 from .c_binding import Callee
 

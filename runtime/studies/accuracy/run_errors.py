@@ -37,7 +37,7 @@ class ComparedSamples:
     """What is compared of a run: levels, states less their start over their scale, signals by kind and item.
 
     A force in a plane is x + iy. ``phases`` are those of the meshes [cycles],
-    ``groups`` are of equal meshes.
+    ``groups`` are of equal meshes; ``reference`` are the states of the reference's own motion.
     """
 
     levels: Vector
@@ -45,10 +45,11 @@ class ComparedSamples:
     signals: dict[str, dict[str, Signal]]
     phases: dict[str, Vector]
     groups: list[list[str]]
+    reference: tuple[str, ...] = ()
 
     def moves(self, size: float) -> bool:
         """Say whether any state moves that far from its start, over its scale; the reference turns without that."""
-        return any(np.abs(x).max() > size for name, x in self.states.items() if not name.startswith("reference."))
+        return any(np.abs(x).max() > size for name, x in self.states.items() if name not in self.reference)
 
 
 def take_samples(bench: Bench, path: Trajectory) -> ComparedSamples:
@@ -68,7 +69,8 @@ def take_samples(bench: Bench, path: Trajectory) -> ComparedSamples:
         "transmission_error": dict(turning),  # angle of a member that is no planet against the rigid motion [rad]
     }
     groups = list(group_meshes(signals["mesh_force"], train).values())
-    return ComparedSamples(path.levels, states, signals, read.get("mesh_phase", {}), groups)
+    reference = tuple(state.name for state in library.manifest.states if state.is_reference)
+    return ComparedSamples(path.levels, states, signals, read.get("mesh_phase", {}), groups, reference)
 
 
 def _planar(read: Mapping[str, Mapping[str, Vector]], quantity: str) -> dict[str, Signal]:

@@ -32,13 +32,10 @@ def _state(bench: Bench, name: str) -> int:
 
 def _stiffened(bench: Bench, factor: float) -> Bench:
     """Return the bench with bearings that many times as stiff, their damping ratios kept."""
-    powers = {".bearing.stiffness": 1.0, ".bearing.damping": 0.5}
-    changed = {
-        name: value * factor**power
-        for name, value in bench.values.items()
-        for ending, power in powers.items()
-        if name.endswith(ending)
-    }
+    bearings = [item for item in bench.library.manifest.connections if item.kind == "bearing"]
+    powers = {name: 1.0 for item in bearings for name in item.stiffness}
+    powers |= {item.damping: 0.5 for item in bearings if item.damping}
+    changed = {name: bench.values[name] * factor**power for name, power in powers.items()}
     return replace(bench, values=dict(bench.values) | changed)
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from ltcgear.generated.contract import CONTINUOUS
 from ltcgear.generated.errors import LtcgearError
 from numpy.typing import NDArray
 
@@ -15,7 +16,6 @@ from ...model.equilibrium import find_equilibrium
 from ...model.library import Library
 from ...model.load_tables import Pairs
 from ...model.operating_point import OperatingPoint
-from ...model.parameter_bounds import is_continuous
 from ...simulation.choose_method import choose
 from ...simulation.methods.registry import AUTO
 from ...simulation.run_settings import RunSettings
@@ -116,7 +116,7 @@ def list_output(
 
 def _one_sided(library: Library, found: OutputDerivative) -> list[str]:
     """Return the parameters whose derivatives hold to one side only."""
-    return [name for name in found.one_sided if is_continuous(library.manifest.roles[name])]
+    return [name for name in found.one_sided if library.manifest.roles[name] in CONTINUOUS]
 
 
 def _notes(library: Library, found: OutputDerivative) -> list[str]:

@@ -5,10 +5,9 @@ from math import isnan
 from typing import Any
 
 import numpy as np
-from ltcgear.generated.contract import PHYSICAL, Manifest
+from ltcgear.generated.contract import CONTINUOUS, PHYSICAL, Manifest
 from numpy.typing import NDArray
 
-from ...model.parameter_bounds import is_continuous
 from ...model.ties import order_by_size
 
 Vector = NDArray[np.float64]
@@ -64,7 +63,7 @@ def list_influences(
     found = []
     for i, (name, unit) in enumerate(manifest.parameters):
         role = manifest.roles[name]
-        if not is_continuous(role):
+        if role not in CONTINUOUS:
             continue
         value, slope = float(p[i]), float(derivative[i])
         size = role == PHYSICAL and value != 0

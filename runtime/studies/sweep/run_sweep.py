@@ -11,8 +11,10 @@ from typing import Any
 
 from ltcgear.generated.errors import LtcgearError, MachineError
 
+from ...model.members import train_of, unite_trains
 from ...results.attributes import to_attributes
 from ...results.row_file import part_of
+from ...results.train_record import TRAIN, write_train
 from ...simulation.low_pass import BAND
 from ...simulation.run_settings import DEFAULT_METHOD, DEFAULT_RTOL, RunSettings, check_options
 from .design import Design, draw_design
@@ -174,7 +176,8 @@ def _attributes(plan: Plan) -> dict[str, Any]:
     """Return the file's attributes on scene and settings."""
     told = {name: value for name, value in plan.settings.identity().items() if name != "raw"}
     band = {} if plan.settings.raw else {"band_hz": BAND * plan.settings.sampling_rate}
-    return to_attributes(plan.maker.about(), {**told, **band, "metrics": list(plan.metrics)})
+    train = write_train(unite_trains(train_of(model.manifest) for model in plan.models.values()))
+    return to_attributes(plan.maker.about(), {**told, **band, "metrics": list(plan.metrics), TRAIN: train})
 
 
 @contextmanager

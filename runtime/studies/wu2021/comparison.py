@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...analysis.lines import find_clues
+from ...analysis.sharing import group_meshes
+from ...model.members import Train
 from ...results.amplitude_spectrum import Line, Sources, amplitude_spectrum, name_line, planar_spectrum, strongest_lines
 from ...results.rounding import without_rounding
 from ...results.statistics import (
@@ -21,7 +23,7 @@ from ...results.statistics import (
     window,
 )
 from ...results.table import Cell, Table
-from ...results.train_record import group_of
+from ...results.train_record import read_train
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -109,7 +111,7 @@ def _table7(dataset: xr.Dataset, start: float) -> Table:
     meshes = mesh_frequencies(dataset, start) if "mesh_phase" in dataset else {}
     rows = []
     for row in printed["rows"]:
-        speed = _mean_speed(speeds, row["rotors"], row.get("relative_to"))
+        speed = _mean_speed(speeds, read_train(dataset), row["rotors"], row.get("relative_to"))
         rows.append(
             (
                 row["position"],
@@ -124,9 +126,9 @@ def _table7(dataset: xr.Dataset, start: float) -> Table:
     return Table(_title("table7"), columns, tuple(rows), _NOTES_7)
 
 
-def _mean_speed(speeds: dict[str, float], rotors: str, relative_to: str | None) -> float | None:
+def _mean_speed(speeds: dict[str, float], train: Train, rotors: str, relative_to: str | None) -> float | None:
     """Magnitude of a group's mean speed [r/min], or None when it was not simulated."""
-    own = [value for name, value in speeds.items() if group_of(name) == rotors]
+    own = [value for name, value in speeds.items() if train.group(name) == rotors]
     if not own or (relative_to is not None and relative_to not in speeds):
         return None
     frame = 0.0 if relative_to is None else speeds[relative_to]
@@ -241,7 +243,7 @@ def _table9(dataset: xr.Dataset, start: float) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for row in published()["table9"]["rows"]:
         group = row["meshes"]
-        rows += _force_rows(row, groups.get(group), group_cosine(angles, group))
+        rows += _force_rows(row, groups.get(group), group_cosine(angles, read_train(dataset), group))
     columns = (
         "Position",
         "force",
@@ -285,22 +287,21 @@ def grouped_statistics(dataset: xr.Dataset, start: float) -> dict[str, dict[str,
     """By mesh group: mean and amplitude [1e5 N], load factor [1]."""
     if "mesh_force" not in dataset:
         return {}
-    members: dict[str, list[dict[str, float]]] = {}
-    for mesh, values in statistics(dataset, start).items():
-        members.setdefault(group_of(mesh), []).append(values)
+    found = statistics(dataset, start)
+    groups = group_meshes(found, read_train(dataset))
     return {
         group: {
-            "mean": sum(abs(one["mean"]) for one in each) / len(each) / PRINTED_FORCE,
-            "amplitude": sum(one["amplitude"] for one in each) / len(each) / PRINTED_FORCE,
-            "load_factor": sum(one["load_factor"] for one in each) / len(each),
+            "mean": sum(abs(found[mesh]["mean"]) for mesh in each) / len(each) / PRINTED_FORCE,
+            "amplitude": sum(found[mesh]["amplitude"] for mesh in each) / len(each) / PRINTED_FORCE,
+            "load_factor": sum(found[mesh]["load_factor"] for mesh in each) / len(each),
         }
-        for group, each in members.items()
+        for group, each in groups.items()
     }
 
 
-def group_cosine(angles: dict[str, float], group: str) -> float | None:
+def group_cosine(angles: dict[str, float], train: Train, group: str) -> float | None:
     """Cosine of a mesh group's mean pressure angle, or None when it is not known."""
-    own = [angle for mesh, angle in angles.items() if group_of(mesh) == group]
+    own = [angle for mesh, angle in angles.items() if train.group(mesh) == group]
     return math.cos(sum(own) / len(own)) if own else None
 
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ...results.statistics import pressure_angles
+from ...results.train_record import read_train
 from .comparison import group_cosine, grouped_statistics, published
 
 if TYPE_CHECKING:
@@ -31,12 +32,13 @@ def tell_loads(datasets: Mapping[str, "xr.Dataset"], start_s: float) -> list[dic
         with ``mean_off`` and ``factor_off``, relative to print.
     """
     groups = {rig: grouped_statistics(dataset, start_s) for rig, dataset in datasets.items()}
-    angles = pressure_angles(next(iter(datasets.values())))
+    first = next(iter(datasets.values()))
+    angles, train = pressure_angles(first), read_train(first)
     rows = []
     for printed in published()["table9"]["rows"]:
         group, mean = printed["meshes"], printed["mean"]
         normal = next(iter(groups.values()))[group]["mean"]
-        scales = {"normal": 1.0, "tangential": group_cosine(angles, group) or 1.0}
+        scales = {"normal": 1.0, "tangential": group_cosine(angles, train, group) or 1.0}
         component = min(scales, key=lambda name: abs(scales[name] * normal - mean))
         rows.append(
             {

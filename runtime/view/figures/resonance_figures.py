@@ -8,7 +8,6 @@ import numpy as np
 
 from ...linear.campbell import SPEED
 from ...model.ties import order_by_size
-from ...results.train_record import group_of
 from ..plots import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION, make_canvas, save_figure
 
 if TYPE_CHECKING:
@@ -198,7 +197,7 @@ def _strongest(data: Data, quantities: tuple[str, ...]) -> list[Data]:
     top = max((max(output["amplitude"]) for output in outputs), default=0.0)
     chosen: dict[str, Data] = {}
     for output in (output for output in outputs if max(output["amplitude"]) > SHOWN * top):
-        chosen.setdefault(output["item"] if output["item"] == data["excited"] else group_of(output["item"]), output)
+        chosen.setdefault(output["item"] if output["item"] == data["excited"] else output["group"], output)
     return list(chosen.values())[: len(CURVES)]
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...analysis.waterfall import Waterfall
 from ...model.ties import order_by_size
 from ...results.amplitude_spectrum import noise_bandwidth
-from ...results.train_record import group_of
+from ...results.train_record import read_train
 from ...studies.sweep.influence import FLAT, SobolIndices, find_influences
 from ...studies.sweep.sweep_axes import SweepAxis
 from ...studies.sweep.sweep_reading import (
@@ -104,11 +104,11 @@ def _numbers_of(dataset: Dataset, metric: str) -> list[SweepNumbers]:
     ]
 
 
-def _grouped(numbers: list[SweepNumbers]) -> list[list[SweepNumbers]]:
-    """Return numbers by the group of their items, ``lsp.sun_planet``, the first few groups."""
-    groups: dict[str, list[SweepNumbers]] = {}
-    for one in numbers:
-        groups.setdefault(group_of(one.item), []).append(one)
+def _grouped(dataset: Dataset, metric: str) -> list[list[SweepNumbers]]:
+    """Return a metric's numbers by the group of their items, ``lsp.sun_planet``, the first few groups."""
+    train, groups = read_train(dataset), dict[str, list[SweepNumbers]]()
+    for one in _numbers_of(dataset, metric):
+        groups.setdefault(train.group(one.item), []).append(one)
     some = [[one for one in own if np.isfinite(one.values).any()] for own in groups.values()]
     return [own for own in some if own][:PANELS]
 
@@ -142,7 +142,7 @@ def draw_distribution(dataset: Dataset, metric: str) -> Figure:
     metric
         A variable with a number or with items.
     """
-    groups = _grouped(_numbers_of(dataset, metric))
+    groups = _grouped(dataset, metric)
     figure = make_canvas(1.3 * WIDTH, HEIGHT * (0.2 + 0.8 * len(groups)))
     for own, (counted, summed) in zip(groups, figure.subplots(len(groups), 2, squeeze=False), strict=True):
         _draw_spread(counted, summed, own)
@@ -234,7 +234,7 @@ def _draw_over(
     dataset: Dataset, metric: str, axis: SweepAxis, levels: NDArray[Any], plot: Callable[..., None]
 ) -> Figure:
     """Draw a metric over the values of an axis, a panel for each group."""
-    groups = _grouped(_numbers_of(dataset, metric))
+    groups = _grouped(dataset, metric)
     figure = make_canvas(WIDTH, HEIGHT * (0.3 + 0.7 * len(groups)))
     words = not _is_numeric(dataset, axis)
     place = np.arange(levels.size) if words else levels

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...results.table import Cell, Table
-from ...results.train_record import group_of
+from ...results.train_record import read_train
 from ...studies.sweep.influence import LEVEL, SobolIndices
 from ...studies.sweep.summary import STATISTICS, columns_of, gather, seek_influences
 from ...studies.sweep.sweep_reading import (
@@ -45,10 +45,10 @@ def list_tables(dataset: xr.Dataset, metrics: list[str] | None = None) -> list[T
     design = design_of(dataset)
     along = len(design.varied) == 1 and design.varied[0].crossed
     metrics = choose_shown(dataset) if metrics is None else metrics
-    numbers = list_numbers(dataset, metrics)
+    numbers, train = list_numbers(dataset, metrics), read_train(dataset)
     groups: dict[tuple[str, str], list[SweepNumbers]] = {}
     for number in numbers:
-        groups.setdefault((number.metric, group_of(number.item) if along else ""), []).append(number)
+        groups.setdefault((number.metric, train.group(number.item) if along else ""), []).append(number)
     tables = [_over_axis(dataset, own) if along else _over_points(dataset, own) for own in groups.values()]
     return tables + _influences(dataset, metrics)
 
@@ -87,7 +87,7 @@ def _over_axis(dataset: xr.Dataset, own: list[SweepNumbers]) -> Table:
     )
     shown = (f"one point of {stride}; the file has all",) if stride > 1 else ()
     heading = f"{axis.key} [{unit}]" if unit else axis.key
-    group = group_of(own[0].item)
+    group = read_train(dataset).group(own[0].item)
     numbered = all(one.item.startswith(f"{group}.") for one in own)  # planets, told by their numbers below the group
     names = [one.item.removeprefix(f"{group}.") if numbered else one.item or one.metric for one in own]
     title = f"{title}, {group}" if numbered else title

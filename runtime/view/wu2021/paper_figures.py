@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 COLOURS = {"assumed": BLUE, "fitted": VERMILLION}
 STAGES = {"lsp": GREEN, "hsp": ORANGE, "psh": PURPLE}
 MICRON = 1e-6
-MESHES = ("lsp.sun_planet.1", "hsp.sun_planet.1", "psh.mesh")
+MESHES = {"lsp.sun_planet.1": "lsp", "hsp.sun_planet.1": "hsp", "psh.mesh": "psh"}
 BLOCK = 0.25
 """Length of the parts of a run whose means and extremes are compared [s]."""
 
@@ -64,9 +64,9 @@ def draw_transient(dataset: "xr.Dataset", step_s: float, means: Mapping[str, flo
     figure = make_canvas(9.0, 4.2)
     axes = figure.add_subplot()
     time = dataset["time"].values
-    for mesh in (MESHES[1], MESHES[0], MESHES[2]):  # the liveliest behind the others
+    for mesh in sorted(MESHES, key=lambda name: name != "hsp.sun_planet.1"):  # the liveliest behind the others
         force = np.abs(dataset["mesh_force"].sel(mesh=mesh).values)
-        axes.plot(time, force / means[mesh], lw=0.7, color=STAGES[mesh.partition(".")[0]], label=mesh)
+        axes.plot(time, force / means[mesh], lw=0.7, color=STAGES[MESHES[mesh]], label=mesh)
     axes.axvline(step_s, color="black", lw=0.8, ls="--", label="load from 50 % to 100 %")
     axes.set_title(
         "A step of the generator's torque: mesh forces over their means at full load", loc="left", fontsize=11

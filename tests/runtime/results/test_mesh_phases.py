@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from ltcgear.runtime.analysis.trace import phase_of
+from ltcgear.runtime.model.members import train_of
 from ltcgear.runtime.model.phase_wrapping import TURN, Clocks
 from ltcgear.runtime.model.quantity_names import PHASES
 from ltcgear.runtime.results.dataset import make_dataset
-from ltcgear.runtime.results.train_record import group_of
 from ltcgear.runtime.simulation.output_reader import outputs_of, sampled
 
 from reference.hand_profiles import smooth_levels
@@ -32,6 +32,11 @@ def outputs(scene, **options):
     )
 
 
+def group_of(c, mesh):
+    """The group of a mesh, with which the names of its parameters begin."""
+    return train_of(c.library.manifest).group(mesh)
+
+
 def crossings(phase, share):
     """Samples before which a phase that rises passes a border, and the fractions there: 0 and the share."""
     found = [np.flatnonzero(np.diff(np.floor(phase - at + 1e-9))) for at in (0.0, share)]
@@ -45,11 +50,11 @@ def test_a_level_changes_where_the_phase_that_is_told_passes_its_borders(scene):
     c, path, told = outputs(scene)
     values, counted = c.model.values(), dict.fromkeys(SWITCHED, 0)
     for i, mesh in enumerate(c.library.manifest.levels):
-        where, at = crossings(told["mesh_phase", mesh], values[f"{group_of(mesh)}.single_share"])
+        where, at = crossings(told["mesh_phase", mesh], values[f"{group_of(c, mesh)}.single_share"])
         change = np.diff(path.levels[:, i])
         assert where.tolist() == np.flatnonzero(change).tolist(), mesh
         assert (change[where] == np.where(at > 0, 1, -1)).all()
-        counted[group_of(mesh)] += len(where)
+        counted[group_of(c, mesh)] += len(where)
     assert counted.keys() == SWITCHED
     assert min(counted.values()) >= 30
 
@@ -61,7 +66,7 @@ def test_forces_folded_over_the_phase_jump_at_its_borders():
     for mesh in c.library.manifest.levels:
         steps = np.diff(told["mesh_force", mesh])
         bends = np.abs(steps[1:-1] - (steps[:-2] + steps[2:]) / 2)
-        where, at = crossings(told["mesh_phase", mesh][1:-1], values[f"{group_of(mesh)}.single_share"])
+        where, at = crossings(told["mesh_phase", mesh][1:-1], values[f"{group_of(c, mesh)}.single_share"])
         assert len(set(at)) == 2
         beside = np.concatenate([where - 1, where, where + 1])
         assert bends[where].min() > 20 * np.delete(bends, beside[(beside >= 0) & (beside < len(bends))]).max(), mesh
@@ -88,7 +93,7 @@ def test_the_gears_own_phase_is_ahead_by_what_shafts_wind_up():
     values, ahead = c.model.values(), {}
     for mesh in (item.name for item in c.model.phases):
         ahead[mesh] = told["gear_phase", mesh] - told["mesh_phase", mesh]
-        teeth = values[f"{group_of(mesh)}.teeth_1"]
+        teeth = values[f"{group_of(c, mesh)}.teeth_1"]
         assert ahead[mesh] == pytest.approx(teeth / TURN * gear_turned(c, told, mesh), abs=1e-9), mesh
     assert len(ahead) == 15
     assert ahead["hsp.sun_planet.1"].mean() == pytest.approx(-2.7, abs=0.1)  # three teeth nearly

@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 import xarray as xr
 from ltcgear.generated.contract import BACK, Connection, Manifest, RigidBody
-from ltcgear.runtime.model.members import Train, train_of
+from ltcgear.runtime.model.members import Train, train_of, unite_trains
 from ltcgear.runtime.results.dataset import make_dataset
 from ltcgear.runtime.results.samples import no_rows
-from ltcgear.runtime.results.train_record import TRAIN, group_of, read_train, write_train
+from ltcgear.runtime.results.train_record import TRAIN, read_train, write_train
 
 from ..models import case
 
@@ -39,7 +39,8 @@ def check(train):
     assert [train.stage(name) for name in ("A", "first", "behind", "P", "suns", "D.E", "else")] == [
         "epi", "epi", "epi", "epi", "epi", "D.E", "else",
     ]  # fmt: skip
-    assert [train.group(name) for name in ("first", "behind", "P", "A")] == ["suns", "behind", "pins", "A"]
+    named = [train.group(name) for name in ("first", "behind", "P", "A", "B")]
+    assert named == ["suns", "behind", "pins", "A", "epi.planet"]
     assert [train.front(name) for name in ("first", "behind", "else")] == ["first", "first", "else"]
     assert [name for name in train.members if train.is_planet(name)] == ["B"]
     assert [name for name in train.members if train.is_geared(name)] == ["A", "B", "C"]
@@ -75,7 +76,17 @@ def test_older_files_are_read_by_names():
     assert read_train(xr.Dataset()) == Train()
 
 
-def test_names_alone_tell_groups():
-    assert [group_of(name) for name in ("lsp.sun_planet.3", "psh.mesh", "motor")] == [
-        "lsp.sun_planet", "psh.mesh", "motor",
+def test_a_sweep_without_its_train_is_read_by_names():
+    items = {"mesh": ["lsp.sun_planet.3", "psh.mesh"], "member": ["motor", "lsp.planet.2"], "point": [0, 1]}
+    train = read_train(xr.Dataset(coords=items))
+    assert [train.group(name) for name in (*items["mesh"], *items["member"])] == [
+        "lsp.sun_planet", "psh.mesh", "motor", "lsp.planet",
     ]  # fmt: skip
+    assert "0" not in train.members  # points are no members
+
+
+def test_variants_of_a_train_are_united(train):
+    other = Train({"F": train.members["B"]}, {"third": train.joints["first"]})
+    united = unite_trains([train, other])
+    assert set(united.members) == {*train.members, "F"}
+    assert united.group("third") == united.group("first") == "suns"

@@ -380,7 +380,7 @@ def test_the_equilibrium_is_that_just_before_the_start():
 
 
 def test_signals_are_linear_between_rows_and_constant_beyond():
-    kinds = [Signal("a", "N*m", "t", False), Signal("b", "N*m/s", "t", True)]
+    kinds = [Signal("a", "N*m", "t", False, "a"), Signal("b", "N*m/s", "t", True, "b")]
     signals = Signals(kinds, {"t": [(1.0, -2.0), (3.0, 2.0), (4.0, 8.0)]})
     assert signals.knots.tolist() == [1.0, 2.0, 3.0, 4.0]  # the zero is one
     assert signals.over(np.array([0.0, 1.0, 1.5, 2.0, 3.0, 3.5, 4.0, 9.0])).tolist() == [

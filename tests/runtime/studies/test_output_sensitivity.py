@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from ltcgear.generated.contract import REGIME
+from ltcgear.generated.contract import CONTINUOUS, REGIME
 from ltcgear.generated.errors import LtcgearError, SolverError
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.operating_point import OperatingPoint
-from ltcgear.runtime.model.parameter_bounds import is_continuous
 from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.studies.sensitivity.adjoint import differentiate_output
 from ltcgear.runtime.studies.sensitivity.course import follow_course
@@ -250,4 +249,4 @@ def test_ranking_puts_sizes_first_and_leaves_out_what_is_whole():
         row.parameter.rsplit(".", 1)[-1] for row in rows
     }
     assert left_out == {"origin", "speed_ratio", "teeth_1", "cycles", "flank"}
-    assert not is_continuous(REGIME)
+    assert REGIME not in CONTINUOUS

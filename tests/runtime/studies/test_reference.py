@@ -54,7 +54,7 @@ def test_runs_that_part_are_no_reference():
     assert "uncertain by 2.0e-02" in judged(samples(), samples(one=0.2 * OTHER)).reason
     still = replace(samples(), signals={kind: {} for kind in samples().signals}, states={}, groups=[])
     assert "nothing moves" in judged(still, still).reason
-    rounding = replace(samples(), states={"x": 1e-9 * SWING, "reference.angle": 100 * TIME})
+    rounding = replace(samples(), states={"x": 1e-9 * SWING, "phi": 100 * TIME}, reference=("phi",))
     assert "nothing moves" in judged(rounding, rounding).reason
     assert judged(samples(), samples(one=1e-9 * OTHER)).reason is None
 

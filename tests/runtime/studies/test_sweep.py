@@ -14,8 +14,10 @@ import xarray as xr
 from ltcgear.generated import store as models
 from ltcgear.generated.errors import LtcgearError, MachineError, SceneError, SolverError
 from ltcgear.runtime import build, load, load_sweep, simulate, sweep
+from ltcgear.runtime.model.members import train_of
 from ltcgear.runtime.results.result import save
 from ltcgear.runtime.results.row_file import part_of
+from ltcgear.runtime.results.train_record import TRAIN, read_train
 from ltcgear.runtime.studies.sweep import run_sweep as sweeping
 from ltcgear.runtime.studies.sweep import task
 from ltcgear.symbolic import Template
@@ -65,6 +67,8 @@ def test_a_row_is_what_a_plain_run_measures(whole):
     assert whole["mesh_force_mean"].std("point").min() > 1e3
     assert np.ptp(whole["loads.ring.speed"].values) > 14
     assert "scene_json" in whole.attrs
+    assert TRAIN in whole.attrs
+    assert read_train(whole) == train_of(build(template.obtain({})).manifest)
 
 
 def test_a_mean_force_carries_the_torque(whole):

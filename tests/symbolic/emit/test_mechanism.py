@@ -3,11 +3,25 @@
 from pathlib import Path
 
 import pytest
-from ltcgear.generated.contract import GEOMETRY, PHYSICAL, ROLES, Connection, Manifest, RigidBody
+from ltcgear.generated.contract import (
+    ANY,
+    BOUNDS,
+    DAMPER,
+    GEOMETRY,
+    NOT_NEGATIVE,
+    PHYSICAL,
+    POSITIVE,
+    ROLES,
+    SHARE,
+    Connection,
+    Manifest,
+    RigidBody,
+)
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.mechanism import list_bodies, list_connections
 from ltcgear.symbolic.scene.load import load_scene
 
+ENDS = ("synchronous_speed", "breakdown_slip_speed", "breakdown_torque")
 HOME = Path(__file__).parents[3] / "generated"
 
 
@@ -69,12 +83,39 @@ def test_all_that_is_named_is_a_parameter(folder):
         assert {*joint.stiffness, joint.damping, joint.hold, joint.flank, *joint.radii, joint.teeth} <= known
     assert set(manifest.roles) == known - {""}
     assert set(manifest.roles.values()) <= set(ROLES)
+    assert set(manifest.bounds) == known - {""}
+    assert set(manifest.bounds.values()) <= set(BOUNDS)
 
 
 def test_roles_tell_sizes_from_places(rig):
     roles = rig[0].roles
     assert roles["lsp.pin.stiffness"] == PHYSICAL
     assert roles["lsp.planet.1.x_0"] == roles["psh.mesh.base_radius_1"] == GEOMETRY
+
+
+def test_bounds_are_told_by_who_declares_a_parameter(rig):
+    told = rig[0].bounds
+    wanted = {
+        "motor.inertia": POSITIVE, "lsp.ring.mass": POSITIVE, "psh.mesh.base_radius_2": POSITIVE,
+        "lsp.pin.stiffness": NOT_NEGATIVE, "lsp.sun_planet.stiffness_double": NOT_NEGATIVE, "lsp.pin.damping": DAMPER,
+        "couplings.input_shaft.damping": DAMPER, "lsp.sun_planet.single_share": SHARE, "lsp.planet.1.x_0": ANY,
+        "loads.generator.torque": ANY,
+    }  # fmt: skip
+    assert {name: told[name] for name in wanted} == wanted
+
+
+def test_bounds_of_what_laws_divide_by():
+    rubbing = {
+        "effects.mesh_friction": "pitch-point",
+        "stages.psh.mesh.friction": '{ coefficient = 0.05, damping = "10 N*s/m" }',
+    }  # fmt: skip
+    numbers = {item.name: item.bounds for item in build_model(load_scene("psh", rubbing)).parameters}
+    assert (numbers["psh.mesh.friction.speed"], numbers["psh.mesh.friction.damping"]) == (POSITIVE, DAMPER)
+    assert numbers["psh.output.bearing.stiffness"] == NOT_NEGATIVE
+    series = build_model(load_scene("lsp", {"effects.mesh_stiffness": "fourier"}))
+    numbers = {item.name: item.bounds for item in series.parameters}
+    assert numbers["lsp.sun_planet.stiffness_mean"] == NOT_NEGATIVE  # amplitudes have either sign
+    assert numbers["lsp.sun_planet.stiffness_cos_1"] == ANY
 
 
 def test_flanks_with_backlash_are_two_connections():
@@ -94,3 +135,31 @@ def test_points_of_members_are_no_members():
     assert [item.name for item in list_bodies(model)] == ["psh.input", "psh.output"]
     mesh = next(item for item in list_connections(model) if item.kind == "mesh")
     assert mesh.bodies == ("psh.input", "psh.output")
+
+
+@pytest.mark.parametrize("kind", ["two-level", "fourier", "mean"])
+def test_a_mesh_tells_the_parameters_of_its_stiffness(kind):
+    model = build_model(load_scene("psh", {"effects.mesh_stiffness": kind}))
+    [mesh] = (item for item in list_connections(model) if item.kind == "mesh")
+    units = {item.name: item.unit for item in model.parameters if "stiffness" in item.name and "mesh" in item.name}
+    assert {*mesh.stiffness, *mesh.profile} == units.keys()
+    assert bool(mesh.profile) == (kind == "fourier")
+
+
+def test_load_signals_tell_what_they_are_of_a_load():
+    rows = '{ member = "psh.input", speed_over_time = [["0 s", "0 rpm"], ["1 s", "600 rpm"]] }'
+    signals = build_model(load_scene("psh", {"loads.input": rows})).signals
+    assert [(item.quantity, item.slope) for item in signals] == [
+        ("loads.input.speed", False), ("loads.input.acceleration", True),
+    ]  # fmt: skip
+    assert {item.table for item in signals} == {"loads.input.speed_over_time"}
+
+
+def test_loads_tell_their_torque_or_slip_law():
+    slip = '{ synchronous_speed = "1500 rpm", breakdown_torque = "30 kN*m", breakdown_slip = 0.05 }'
+    constant = {item.item: item.law for item in list_connections(build_model(load_scene("rig-2mw"))) if item.law}
+    assert constant == {"generator": ("loads.generator.torque",)}
+    machine = build_model(load_scene("rig-2mw", {"loads.generator": f'{{ member = "generator", slip = {slip} }}'}))
+    assert {item.item: item.law for item in list_connections(machine) if item.law} == {
+        "generator": tuple(f"loads.generator.{end}" for end in ENDS)
+    }
