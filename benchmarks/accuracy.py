@@ -17,6 +17,7 @@ from typing import Any
 
 from ltcgear.runtime.cli.measuring import measure
 from ltcgear.runtime.cli.opening import compile_model, open_scene
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.studies.accuracy.cheapest import LIMITS, find_cheapest
 from ltcgear.runtime.studies.accuracy.phases import PHASES, measure_phases
 from ltcgear.runtime.studies.accuracy.record import read_record, to_text
@@ -113,12 +114,13 @@ def _few(value: float | None) -> float | None:
 def table(record: Record) -> str:
     """Return the tables of a case in Markdown."""
     methods = list(dict.fromkeys(point["method"] for point in record["points"]))
-    text = "Seconds a simulated second of each method for an error of at most:\n\n| error | " + " | ".join(methods)
-    text += " | fastest |\n" + "|---" * (2 + len(methods)) + "|\n"
+    rows = []
     for limit in SHOWN:
         found = [find_cheapest(only(record, method), limit) for method in methods]
-        times = " | ".join("-" if point is None else f"{point['seconds'] / record['t_end']:.2g}" for point in found)
-        text += f"| {100 * limit:g} % | {times} | {fastest(record, limit)} |\n"
+        times = (None if point is None else f"{point['seconds'] / record['t_end']:.2g}" for point in found)
+        rows.append((f"{100 * limit:g} %", *times, fastest(record, limit)))
+    head = "Seconds a simulated second of each method for an error of at most:\n\n"
+    text = head + Table("", ("error", *methods, "fastest"), tuple(rows)).to_markdown()
     return text + "\n" + "".join(f"- {line}\n" for line in _remarks(record))
 
 

@@ -3,12 +3,14 @@
 Run as ``python -m benchmarks.dead_band``; it writes the tables of docs/dead-band.md and its figure.
 """
 
+from itertools import chain
 from pathlib import Path
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 from ltcgear.runtime.model.building import build
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.simulation.methods.registry import METHODS
 from ltcgear.runtime.studies.selftest.case import Bench
 from ltcgear.runtime.studies.selftest.dead_band import (
@@ -61,11 +63,9 @@ def slow_jumps(pair: DeadBand, rate: float) -> tuple[float, float]:
 
 def table_of_methods(pair: DeadBand) -> str:
     """Return the table of jumps by method."""
-    text = "| engine | jump up | jump down |\n|---|---|---|\n"
-    rows = {method: jumps(pair, method) for method in METHODS} | {"reference, SciPy's DOP853 with events": JUMPS}
-    for name, (up, down) in rows.items():
-        text += f"| {name} | {up:.4f} | {down:.4f} |\n"
-    return text
+    found = {method: jumps(pair, method) for method in METHODS} | {"reference, SciPy's DOP853 with events": JUMPS}
+    rows = tuple((name, f"{up:.4f}", f"{down:.4f}") for name, (up, down) in found.items())
+    return Table("", ("engine", "jump up", "jump down"), rows).to_markdown()
 
 
 def table_of_rates(pair: DeadBand) -> str:
@@ -74,11 +74,13 @@ def table_of_rates(pair: DeadBand) -> str:
     slowest = np.array([found[rate] for rate in RATES[-2:]])
     scale = np.array(RATES[-2:]) ** (2 / 3)
     limit = slowest[1] - scale[1] * (slowest[0] - slowest[1]) / (scale[0] - scale[1])
-    text = "| change of frequency in a unit of time | jump up | off | jump down | off |\n|---|---|---|---|---|\n"
+    rows = []
     for rate, pairs in found.items():
-        cells = [f"{jump:.4f} | {100 * (jump / end - 1):+.1f} %" for jump, end in zip(pairs, limit, strict=True)]
-        text += f"| {rate:.0e} | {cells[0]} | {cells[1]} |\n"
-    return text + f"| none (extrapolated) | {limit[0]:.3f} | | {limit[1]:.3f} | |\n"
+        cells = ((f"{jump:.4f}", f"{100 * (jump / end - 1):+.1f} %") for jump, end in zip(pairs, limit, strict=True))
+        rows.append((f"{rate:.0e}", *chain.from_iterable(cells)))
+    rows.append(("none (extrapolated)", f"{limit[0]:.3f}", "", f"{limit[1]:.3f}", ""))
+    columns = "change of frequency in a unit of time", "jump up", "off", "jump down", "off"
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def draw(pair: DeadBand) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import matplotlib.pyplot as plt
 import numpy as np
 from ltcgear.runtime.model.building import build
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.view.plots import BLUE, ORANGE
 from ltcgear.symbolic.assembly import build_model
@@ -42,13 +43,13 @@ def measure(scene: str, seconds: float, stiff: bool) -> dict[str, Any]:
 
 def table(found: dict[tuple[str, bool], dict[str, Any]]) -> str:
     """Return the table in Markdown."""
-    text = "| scene | sun | share of planet 1 to 4 | spread | largest force of planet 1 to 4 over mean share |\n"
-    text += "|---|---|---|---|---|\n"
+    columns = "scene", "sun", "share of planet 1 to 4", "spread", "largest force of planet 1 to 4 over mean share"
+    rows = []
     for (scene, stiff), item in found.items():
         shares, factors = (", ".join(f"{value:.3f}" for value in item[key]) for key in ("shares", "factors"))
         spread = np.ptp(item["shares"])
-        text += f"| {scene} | {'stiff bearing' if stiff else 'floating'} | {shares} | {spread:.3f} | {factors} |\n"
-    return text
+        rows.append((scene, "stiff bearing" if stiff else "floating", shares, f"{spread:.3f}", factors))
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def draw(found: dict[tuple[str, bool], dict[str, Any]]) -> None:

@@ -24,6 +24,7 @@ from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.members import train_of
 from ltcgear.runtime.model.operating_point import OperatingPoint
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.studies.wu2021.table9 import tell_loads
 from ltcgear.symbolic.assembly import build_model
@@ -259,28 +260,29 @@ def write_scene(text: str, data: dict[str, Any]) -> str:
 
 def load_table(data: dict[str, Any]) -> str:
     """Return the mesh forces of both rigs beside Table 9, in Markdown."""
-    text = "| mesh | printed | assumed | fitted | factor printed | assumed | fitted |\n" + "|---" * 7 + "|\n"
+    columns = "mesh", "printed", "assumed", "fitted", "factor printed", "assumed", "fitted"
+    rows = []
     for row in data["table9"]:
-        forces = " | ".join(f"{one['mean']:.2f} +- {one['amplitude']:.2f}" for one in row["rigs"].values())
-        factors = " | ".join(f"{one['factor']:.3f} ({one['factor_off']:+.1%})" for one in row["rigs"].values())
+        forces = (f"{one['mean']:.2f} +- {one['amplitude']:.2f}" for one in row["rigs"].values())
+        factors = (f"{one['factor']:.3f} ({one['factor_off']:+.1%})" for one in row["rigs"].values())
         printed = f"{row['mean']:.2f} +- {row['amplitude']:.2f} ({row['component']})"
-        text += f"| {row['position']} | {printed} | {forces} | {row['factor']:.3f} | {factors} |\n"
-    return text
+        rows.append((row["position"], printed, *forces, f"{row['factor']:.3f}", *factors))
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def fit_table(data: dict[str, Any]) -> str:
     """Return what was fitted, in Markdown."""
-    text = "| number | assumed | fitted | one sigma, linearised | the sum rises there by | alone | bounds | left |\n"
-    text += "|---" * 8 + "|\n"
+    rows = []
     for item in data["unknowns"]:
         sigma, bounds = (f"{item[a]:.4g} to {item[b]:.4g}" for a, b in (("from", "to"), ("low", "high")))
         values = (f"{item[key]:.4g} {item['unit']}".strip() for key in ("assumed", "fitted"))
-        rises, alone = (f"{format(one[0], form)} {word} {format(one[1], form)}" for one, form, word in (
+        risen, alone = (f"{format(one[0], form)} {word} {format(one[1], form)}" for one, form, word in (
             (item["rises"], ".1f", "and"), (item["alone"], ".4g", "to")
         ))  # fmt: skip
-        text += (
-            f"| {item['name']} | {' | '.join(values)} | {sigma} | {rises} | {alone} | {bounds} | {item['left']:.2f} |\n"
-        )
+        rows.append((item["name"], *values, sigma, risen, alone, bounds, f"{item['left']:.2f}"))
+    columns = (
+        "number", "assumed", "fitted", "one sigma, linearised", "the sum rises there by", "alone", "bounds", "left",
+    )  # fmt: skip
     changed = [f"{item['name']}: {item['chosen']}" for item in data["readings"] if item["chosen"] != item["assumed"]]
     known, best = data["posterior"], data["fits"][0]
     told = f"Determined by the targets, linearised: {known['determined']:.1f} of {len(data['unknowns'])}."
@@ -289,7 +291,8 @@ def fit_table(data: dict[str, Any]) -> str:
         f"Sum of squares {sum_kept(known):.1f}, {sum_kept(best):.1f} before it was polished; {min(others):.1f} with "
         f"the next best readings, not polished. Half of the sum's slope over the secants: {known['gradient']:.1f}."
     )
-    return f"{text}\n{told} Readings changed: {'; '.join(changed) or 'none'}. {sums}\n"
+    table = Table("", columns, tuple(rows)).to_markdown()
+    return f"{table}\n{told} Readings changed: {'; '.join(changed) or 'none'}. {sums}\n"
 
 
 def sum_kept(item: dict[str, Any]) -> float:
@@ -299,15 +302,13 @@ def sum_kept(item: dict[str, Any]) -> float:
 
 def mode_table(data: dict[str, Any]) -> str:
     """Return what the fit says of the lowest modes, in Markdown."""
-    text = (
-        "| mode | Hz | sigma before | sigma after, linearised | numbers moved alone | what it is |\n"
-        + "|---" * 6
-        + "|\n"
-    )
+    rows = []
     for item in data["modes"]:
-        sigmas = f"{item['before']:.2f} | {item['after']:.2f} | {item['alone'][0]:.2f} to {item['alone'][1]:.2f}"
-        text += f"| {item['mode']} | {item['hz']:.2f} | {sigmas} | {item['name']} |\n"
-    return text
+        alone = f"{item['alone'][0]:.2f} to {item['alone'][1]:.2f}"
+        sigmas = f"{item['before']:.2f}", f"{item['after']:.2f}", alone
+        rows.append((item["mode"], f"{item['hz']:.2f}", *sigmas, item["name"]))
+    columns = "mode", "Hz", "sigma before", "sigma after, linearised", "numbers moved alone", "what it is"
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def tell_modes(data: dict[str, Any]) -> list[dict[str, Any]]:

@@ -14,6 +14,7 @@ from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.phase_wrapping import Clocks
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.simulation.integrate import integrate
 from ltcgear.runtime.simulation.output_reader import outputs_of
 from ltcgear.runtime.simulation.run_settings import RunSettings
@@ -90,22 +91,24 @@ def table(smooth: Run, switched: Run) -> str:
     settled = [memory for time, memory in smooth.memory if time > 0.01 * TURNS * PERIOD]
     counts = smooth.path.counts
     steps, kept = counts.steps / (TURNS * TEETH), smooth.path.x.nbytes / 1e6
-    return (
-        "| LSP ring, torsional, stiffness with one harmonic | |\n|---|---|\n"
-        f"| turns | {TURNS} |\n"
-        f"| pitches | {TURNS * TEETH} |\n"
-        f"| steps a pitch | {steps:.1f} |\n"
-        f"| mean force, last {WINDOW} turns against first, worst mesh | {drift(smooth):.1e} |\n"
-        f"| samples kept [MB] | {kept:.1f} |\n"
-        f"| memory, growth over the last 99 % [MB] | {max(settled) - settled[0]:.1f} |\n"
-        f"| minutes | {smooth.seconds / 60:.1f} |\n"
-        "\n| the same with jumps between two levels | |\n|---|---|\n"
-        f"| turns | {SWITCHED_TURNS} |\n"
-        f"| switchings | {switched.path.counts.events} |\n"
-        f"| switchings by kinematics | {switched.path.expected_events} |\n"
-        f"| segments | {switched.path.counts.segments} |\n"
-        f"| minutes | {switched.seconds / 60:.1f} |\n"
+    one = (
+        ("turns", TURNS),
+        ("pitches", TURNS * TEETH),
+        ("steps a pitch", f"{steps:.1f}"),
+        (f"mean force, last {WINDOW} turns against first, worst mesh", f"{drift(smooth):.1e}"),
+        ("samples kept [MB]", f"{kept:.1f}"),
+        ("memory, growth over the last 99 % [MB]", f"{max(settled) - settled[0]:.1f}"),
+        ("minutes", f"{smooth.seconds / 60:.1f}"),
     )
+    two = (
+        ("turns", SWITCHED_TURNS),
+        ("switchings", switched.path.counts.events),
+        ("switchings by kinematics", switched.path.expected_events),
+        ("segments", switched.path.counts.segments),
+        ("minutes", f"{switched.seconds / 60:.1f}"),
+    )
+    titles = "LSP ring, torsional, stiffness with one harmonic", "the same with jumps between two levels"
+    return "\n".join(Table("", (title, ""), rows).to_markdown() for title, rows in zip(titles, (one, two), strict=True))
 
 
 def main() -> None:

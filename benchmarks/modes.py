@@ -21,6 +21,7 @@ from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.operating_point import OperatingPoint
 from ltcgear.runtime.model.topology import Topology
 from ltcgear.runtime.results.amplitude_spectrum import Sources
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.studies.accuracy.machine import describe_machine
 from ltcgear.runtime.studies.wu2021.line_origins import forced_name, printed_lines
 from ltcgear.runtime.view.figures.shape_figures import draw_shapes
@@ -77,18 +78,15 @@ def rig() -> tuple[Scene, Linear, list[Mode]]:
 def list_table(modes: list[Mode], topology: Topology) -> str:
     """Return the rig's modes in Markdown."""
     told = {name: topology.links[group].told for name, group in topology.groups.items()}
-    text = (
-        "| mode | Hz | damping | class | what it is | kinetic energy | strain energy |\n|---|---|---|---|---|---|---|\n"
-    )
+    columns = "mode", "Hz", "damping", "class", "what it is", "kinetic energy", "strain energy"
+    rows = []
     for k, mode in enumerate(modes, start=1):
         kinetic = _largest(sum_by(mode.members, topology.labels))
         strain = _largest(sum_by(mode.strain, told))
         alike = f" x{mode.multiplicity}" if mode.multiplicity > 1 else ""
-        text += (
-            f"| {k} | {mode.frequency_hz:.2f} | {mode.damping_ratio:.2%} | {mode.kind}{alike} | {mode.name} | "
-            f"{kinetic} | {strain} |\n"
-        )
-    return text
+        numbers = k, f"{mode.frequency_hz:.2f}", f"{mode.damping_ratio:.2%}"
+        rows.append((*numbers, f"{mode.kind}{alike}", mode.name, kinetic, strain))
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def _largest(shares: dict[str, float]) -> str:
@@ -108,14 +106,15 @@ def lines(scene: Scene) -> dict[float, tuple[str, list[str]]]:
 
 def line_table(scene: Scene, modes: list[Mode]) -> str:
     """Return the lines that are no harmonics or sidebands beside the modes next to them, in Markdown."""
-    text = "| line Hz | where | next mode Hz | off | class | what it is |\n|---|---|---|---|---|---|\n"
+    rows = []
     for value, (name, places) in lines(scene).items():
         if not name:
             mode = min(modes, key=lambda mode: abs(mode.frequency_hz - value))
             off = mode.frequency_hz / value - 1
-            next_to = f"{mode.frequency_hz:.1f} | {off:+.1%} | {mode.kind} | {mode.name}"
-            text += f"| {value:g} | {'; '.join(places)} | {next_to} |\n"
-    return text
+            next_to = f"{mode.frequency_hz:.1f}", f"{off:+.1%}", mode.kind, mode.name
+            rows.append((f"{value:g}", "; ".join(places), *next_to))
+    columns = "line Hz", "where", "next mode Hz", "off", "class", "what it is"
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def explained(scene: Scene) -> str:
@@ -164,15 +163,14 @@ def _round(library: Library, model: Model, count: int | None) -> dict[str, float
 def time_table(data: dict[str, Any]) -> str:
     """Return what was measured, in Markdown."""
     names = list(data["cases"]["long"]["seconds"])
-    text = (
-        f"| train | members | freedoms | modes | {' | '.join(names)} | together |\n" + "|---" * (5 + len(names)) + "|\n"
-    )
+    rows = []
     for name, case in data["cases"].items():
         title = case["title"] if name == "long" else name
-        cells = " | ".join(f"{case['seconds'][key]:.3f}" for key in names)
-        sizes = f"{case['members']} | {case['freedoms']} | {case['count'] or 'all'}"
-        text += f"| {title} | {sizes} | {cells} | {case['total']:.2f} |\n"
-    return text
+        cells = (f"{case['seconds'][key]:.3f}" for key in names)
+        sizes = case["members"], case["freedoms"], case["count"] or "all"
+        rows.append((title, *sizes, *cells, f"{case['total']:.2f}"))
+    columns = "train", "members", "freedoms", "modes", *names, "together"
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def main() -> None:

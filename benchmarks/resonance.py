@@ -19,6 +19,7 @@ from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.library import Library
 from ltcgear.runtime.model.members import train_of
 from ltcgear.runtime.model.operating_point import OperatingPoint
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.view.figures.resonance_figures import draw_campbell, draw_response
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -31,10 +32,9 @@ SCENE, EXCITED, HARMONICS = "rig-2mw", "hsp.sun_planet.1", 3
 NEAR = 0.3
 """Crossings up to this part of the speed beside it are listed."""
 ROWS = 7
-HEAD = (
-    "| crossing | rpm | Hz | speed margin | mode | mesh force per um [kN] | mesh force by its own stiffness [kN] |\n"
-    "|---|---|---|---|---|---|---|\n"
-)
+COLUMNS = (
+    "crossing", "rpm", "Hz", "speed margin", "mode", "mesh force per um [kN]", "mesh force by its own stiffness [kN]",
+)  # fmt: skip
 
 
 def built() -> tuple[Library, Any]:
@@ -66,12 +66,13 @@ def table(data: dict[str, Any]) -> str:
     """Write the crossings near the rig's speed that excite most."""
     modes = {mode["mode"]: mode for mode in data["modes"]}
     near = [item for item in data["crossings"] if abs(item["margin"]) <= NEAR and item["force"]]
-    return HEAD + "".join(
-        f"| {item['crossing']} | {item['at']:.2f} | {item['frequency_hz']:.1f} | {item['margin']:+.1%} | "
-        f"{modes[item['modes'][0]]['class']}, {modes[item['modes'][0]]['name']} | {item['force_per_um'] / 1e3:.2f} | "
-        f"{item['force'] / 1e3:.2f} |\n"
+    rows = tuple(
+        (item["crossing"], f"{item['at']:.2f}", f"{item['frequency_hz']:.1f}", f"{item['margin']:+.1%}",
+         f"{modes[item['modes'][0]]['class']}, {modes[item['modes'][0]]['name']}",
+         f"{item['force_per_um'] / 1e3:.2f}", f"{item['force'] / 1e3:.2f}")
         for item in near[:ROWS]
-    )
+    )  # fmt: skip
+    return Table("", COLUMNS, rows).to_markdown()
 
 
 def main() -> None:

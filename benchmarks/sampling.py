@@ -12,6 +12,7 @@ from time import thread_time
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.equilibrium import find_equilibrium
 from ltcgear.runtime.model.operating_point import OperatingPoint
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.simulation.integration import Integration
 from ltcgear.runtime.simulation.run_settings import RunSettings
 from ltcgear.runtime.simulation.simulate import Run
@@ -62,8 +63,8 @@ def measure() -> dict[str, float]:
 def table(least: dict[str, float]) -> str:
     """Return the table in Markdown, times over those of the raw run."""
     raw = next(seconds for name, seconds in least.items() if "--raw" in name)
-    rows = [f"| {name} | {seconds / T_END * 1e3:.0f} | {seconds / raw:.2f} |" for name, seconds in least.items()]
-    return "\n".join(["| rig, rtol 1e-6 | ms a simulated second | over raw |", "|---|---|---|", *rows, ""])
+    rows = tuple((name, f"{seconds / T_END * 1e3:.0f}", f"{seconds / raw:.2f}") for name, seconds in least.items())
+    return Table("", ("rig, rtol 1e-6", "ms a simulated second", "over raw"), rows).to_markdown()
 
 
 def main() -> None:

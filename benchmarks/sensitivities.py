@@ -8,6 +8,7 @@ from typing import Any
 
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.studies.sensitivity.items import list_modes, list_output
 from ltcgear.runtime.view.tables.sensitivity_tables import chosen, write_listing
 from ltcgear.symbolic.assembly import build_model
@@ -32,21 +33,20 @@ def opened() -> tuple[Library, Model]:
 
 def modes_table(data: dict[str, Any]) -> str:
     """Return the strongest parameters of the first modes in Markdown."""
-    text = "| mode | Hz | class | % for 1 % |\n|---|---|---|---|\n"
+    rows = []
     for item in data["items"][:MODES]:
         strongest = ", ".join(f"{row['parameter']} {row['relative']:+.3f}" for row in chosen(item, "size")[:TOP])
-        text += f"| {item['mode']} | {item['value']:.2f} | {item['class']} | {strongest} |\n"
-    return text
+        rows.append((item["mode"], f"{item['value']:.2f}", item["class"], strongest))
+    return Table("", ("mode", "Hz", "class", "% for 1 %"), tuple(rows)).to_markdown()
 
 
 def output_table(data: dict[str, Any]) -> str:
     """Return the strongest parameters of the output in Markdown."""
-    text = "| parameter | value | % for 1 % |\n|---|---|---|\n"
-    for row in chosen(data["items"][0], "size")[:SHOWN]:
-        text += f"| {row['parameter']} | {row['value']:.4g} {row['unit']} | {row['relative']:+.2f} |\n".replace(
-            "  |", " |"
-        )
-    return text
+    rows = tuple(
+        (row["parameter"], f"{row['value']:.4g} {row['unit']}", f"{row['relative']:+.2f}")
+        for row in chosen(data["items"][0], "size")[:SHOWN]
+    )
+    return Table("", ("parameter", "value", "% for 1 %"), rows).to_markdown()
 
 
 def measure() -> tuple[dict[str, Any], dict[str, Any]]:

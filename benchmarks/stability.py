@@ -12,6 +12,7 @@ from ltcgear.runtime.linear.floquet import Floquet, find_multipliers
 from ltcgear.runtime.linear.periodic import vary
 from ltcgear.runtime.model.building import build
 from ltcgear.runtime.model.library import Library
+from ltcgear.runtime.results.table import Table
 from ltcgear.runtime.view.figures.stability_figures import draw_chart
 from ltcgear.symbolic.assembly import build_model
 from ltcgear.symbolic.emit.pipeline import obtain
@@ -39,16 +40,17 @@ def table_of_tongues(chart: Chart) -> str:
     """Return the widest tongues, first order beside multipliers in their middles."""
     undamped, damped = opened("lsp", UNDAMPED), opened("lsp")
     lifted = {tongue.resonance.name: tongue.least for tongue in draw_up(*damped, chart.speeds, np.array([1.0])).tongues}
-    text = "| tongue | modes [Hz] | speed [rpm] | half width [rpm] | growth in the middle [1/s] | by multipliers "
-    text += "| with damping from variation |\n|---|---|---|---|---|---|---|\n"
+    columns = ("tongue", "modes [Hz]", "speed [rpm]", "half width [rpm]", "growth in the middle [1/s]",
+               "by multipliers", "with damping from variation")  # fmt: skip
+    rows = []
     for tongue in chart.tongues[:TONGUES]:
         modes = ", ".join(f"{hertz:.1f}" for hertz in tongue.resonance.frequencies_hz)
         growth = find_multipliers(vary(*undamped, speed=tongue.speed)).multipliers[0].growth
         half = float(tongue.half_width(np.array(1.0))) / RPM
         least = lifted.get(tongue.resonance.name)
-        text += f"| {tongue.resonance.name} | {modes} | {abs(tongue.speed) / RPM:.1f} | {half:.2f} "
-        text += f"| {tongue.coupling:.1f} | {growth:.1f} | {'-' if least is None else f'{least:.1f}'} |\n"
-    return text
+        numbers = f"{abs(tongue.speed) / RPM:.1f}", f"{half:.2f}", f"{tongue.coupling:.1f}", f"{growth:.1f}"
+        rows.append((tongue.resonance.name, modes, *numbers, None if least is None else f"{least:.1f}"))
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def rig(stage: str | None, changes: dict[str, str] | None = None) -> Floquet:
@@ -56,24 +58,25 @@ def rig(stage: str | None, changes: dict[str, str] | None = None) -> Floquet:
     return find_multipliers(vary(*opened("rig-2mw", changes), stage))
 
 
-def row(stage: str | None, damped: Floquet, undamped: Floquet | None, charted: Chart | None) -> str:
+def row(stage: str | None, damped: Floquet, undamped: Floquet | None, charted: Chart | None) -> tuple[str, ...]:
     """Return a row of the rig's table."""
     first, periodic = damped.multipliers[0], damped.periodic
     cells = [stage or "all", f"{1e3 * periodic.period:.4g}", f"{len(periodic.borders) - 1}"]
     cells += [f"{abs(first.value):.6f}", f"{first.growth:.5f}", f"{first.frequency_hz:.2f}"]
     cells.append("-" if undamped is None else f"{abs(undamped.multipliers[0].value):.6f}")
     cells.append("-" if charted is None else f"{min(tongue.least for tongue in charted.tongues):.1f}")
-    return "| " + " | ".join(cells) + " |\n"
+    return tuple(cells)
 
 
 def table_of_rig() -> str:
     """Return the multipliers of the rig, stage by stage and all together."""
-    text = "| varies | period [ms] | jumps in it | largest multiplier | growth [1/s] | its frequency [Hz] "
-    text += "| largest without damping | unstable from variation, 5 to 20 rpm |\n|---|---|---|---|---|---|---|---|\n"
+    columns = ("varies", "period [ms]", "jumps in it", "largest multiplier", "growth [1/s]", "its frequency [Hz]",
+               "largest without damping", "unstable from variation, 5 to 20 rpm")  # fmt: skip
+    rows = []
     for stage in STAGES:
         charted = None if stage is None else draw_up(*opened("rig-2mw"), RANGE * RPM, np.array([1.0]), stage)
-        text += row(stage, rig(stage), None if stage is None else rig(stage, UNDAMPED), charted)
-    return text
+        rows.append(row(stage, rig(stage), None if stage is None else rig(stage, UNDAMPED), charted))
+    return Table("", columns, tuple(rows)).to_markdown()
 
 
 def main() -> None:

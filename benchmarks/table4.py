@@ -5,6 +5,7 @@ Run as ``python -m benchmarks.table4``.
 
 from pathlib import Path
 
+from ltcgear.runtime.results.table import Table
 from ltcgear.symbolic.gears import gear_geometry, mesh_stiffness
 from ltcgear.symbolic.scene.load import load_scene
 from ltcgear.symbolic.scene.validate import meshes
@@ -13,11 +14,10 @@ from ltcgear.symbolic.schema.scene_schema import Planetary
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "stiffness.md"
 BEGIN, END = "<!-- table4 -->\n", "<!-- end -->\n"
-HEAD = (
-    "| mesh | width mm | computed single, double 1e9 N/m | ratio | printed ratio | printed K 1e8 N m/rad | "
-    "K of that width 1e8, on gear 1 / gear 2 | width for printed K mm, on gear 1 / gear 2 |\n"
-    "|---|---|---|---|---|---|---|---|\n"
-)
+COLUMNS = (
+    "mesh", "width mm", "computed single, double 1e9 N/m", "ratio", "printed ratio", "printed K 1e8 N m/rad",
+    "K of that width 1e8, on gear 1 / gear 2", "width for printed K mm, on gear 1 / gear 2",
+)  # fmt: skip
 
 
 def rows() -> list[dict[str, float | str | tuple[float, float]]]:
@@ -49,16 +49,16 @@ def rows() -> list[dict[str, float | str | tuple[float, float]]]:
 
 def table() -> str:
     """Return the table in Markdown."""
-    text = HEAD
+    lines = []
     for row in rows():
         single, double, torsional, fitting = (row[k] for k in ("single", "double", "torsional", "fitting"))
-        text += (
-            f"| {row['mesh']} | {row['width'] * 1e3:.0f} | {single / 1e9:.2f}, {double / 1e9:.2f} | "
-            f"{double / single:.2f} | {row['printed_ratio']:.2f} | {row['printed'] / 1e8:.2f} | "
-            f"{torsional[0] / 1e8:.2f} / {torsional[1] / 1e8:.2f} | "
-            f"{fitting[0] * 1e3:.0f} / {fitting[1] * 1e3:.0f} |\n"
-        )
-    return text
+        lines.append(
+            (row["mesh"], f"{row['width'] * 1e3:.0f}", f"{single / 1e9:.2f}, {double / 1e9:.2f}",
+             f"{double / single:.2f}", f"{row['printed_ratio']:.2f}", f"{row['printed'] / 1e8:.2f}",
+             f"{torsional[0] / 1e8:.2f} / {torsional[1] / 1e8:.2f}",
+             f"{fitting[0] * 1e3:.0f} / {fitting[1] * 1e3:.0f}")
+        )  # fmt: skip
+    return Table("", COLUMNS, tuple(lines)).to_markdown()
 
 
 def main() -> None:

@@ -70,10 +70,11 @@ class Table:
 
     def to_markdown(self) -> str:
         """Write headings and rows for a page in Markdown, cells as they are given, a dash for nothing."""
-        lines = [self.columns, ("---",) * len(self.columns), *self.rows]
-        return "".join(
-            "| " + " | ".join("-" if cell is None else str(cell) for cell in line) + " |\n" for line in lines
+        head, *rows = (
+            ("| " + " | ".join("-" if cell is None else str(cell) for cell in line) + " |\n").replace("  |", " |")
+            for line in (self.columns, *self.rows)
         )
+        return "".join([head, "|---" * len(self.columns), "|\n", *rows])
 
     def column(self, heading: str) -> tuple[Cell, ...]:
         """Cells of one column, top to bottom.

@@ -230,7 +230,7 @@ def test_a_table_refuses_ragged_rows_and_hides_nan():
 
 def test_a_table_stands_in_markdown_as_it_is_given():
     table = Table("T", ("a", "b [Hz]"), (("one", 0.5), ("two", None)), ("note",))
-    assert table.to_markdown() == "| a | b [Hz] |\n| --- | --- |\n| one | 0.5 |\n| two | - |\n"
+    assert table.to_markdown() == "| a | b [Hz] |\n|---|---|\n| one | 0.5 |\n| two | - |\n"
     assert table.numeric == (False, True)
 
 
