@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from ltcgear.runtime import load
-from ltcgear.runtime.cli.reporting import find_background
+from ltcgear.runtime.api.restoring import find_background
 from ltcgear.runtime.cli.running import run
 from ltcgear.runtime.view.report.page import write_report
 from playwright.sync_api import sync_playwright

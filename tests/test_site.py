@@ -5,6 +5,7 @@ import re
 import shlex
 from math import pi
 
+import ltcgear
 import pytest
 from ltcgear import runtime, symbolic
 from ltcgear.runtime import analysis
@@ -89,7 +90,7 @@ def test_every_option_is_in_the_reference(command, run):
 # --- Python
 
 
-@pytest.mark.parametrize("part", [symbolic, runtime, analysis], ids=lambda part: part.__name__)
+@pytest.mark.parametrize("part", [ltcgear, symbolic, runtime, analysis], ids=lambda part: part.__name__)
 def test_every_public_name_is_documented(part):
     page = (DOCS / "python.md").read_text("utf-8")
     current, found = "", set()

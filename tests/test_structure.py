@@ -13,7 +13,7 @@ from benchmarks.structure import (
     unmatched_rooms,
 )  # fmt: skip
 
-ROOMS = {"analysis", "cli", "export", "linear", "model", "results", "simulation", "studies", "view"}
+ROOMS = {"analysis", "api", "cli", "export", "linear", "model", "results", "simulation", "studies", "view"}
 
 
 def test_no_module_imports_itself_in_a_circle():
@@ -22,7 +22,7 @@ def test_no_module_imports_itself_in_a_circle():
 
 def test_runtime_has_its_rooms_and_the_door():
     found = {path.name for path in (ROOT / "runtime").iterdir()} - {"__pycache__"}
-    assert found == {*ROOMS, "__init__.py", "__init__.pyi", "py.typed"}
+    assert found == {*ROOMS, "namespace", "__init__.py", "__init__.pyi"}
 
 
 def test_no_name_occurs_twice():

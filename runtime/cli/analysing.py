@@ -7,9 +7,9 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import make_folder
 
+from ..api.restoring import restore_modes
 from ..view.tables import printed
 from .app import app
-from .opening import restore_modes
 from .options import AsJson, Force, ResultPath
 from .progress import progress
 

@@ -8,9 +8,10 @@ import typer
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import check_output
 
+from ..api.restoring import choose_count, linearise_model
 from ..view.tables import printed
 from .app import app
-from .opening import Opened, choose_count, compile_model, linearise_model, open_scene
+from .opening import Opened, compile_model, open_scene
 from .options import AsJson, Changes, Force, SceneName
 
 if TYPE_CHECKING:

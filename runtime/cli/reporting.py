@@ -1,21 +1,17 @@
 """Command report: a result as a page."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from ltcgear.generated.errors import LtcgearError
 from ltcgear.generated.writing import check_output
 
+from ..api.restoring import find_background
 from ..results.terminal import say
 from ..view.tables import printed
 from .app import app
-from .opening import restore_modes
 from .options import AsJson, Force, ResultPath
-
-if TYPE_CHECKING:
-    from ..results.result import Result
-    from ..view.report.page import Background
 
 PageFile = Annotated[
     Path | None, typer.Option("-o", "--output", help="Page to write, .html.", show_default="beside the result")
@@ -49,11 +45,3 @@ def report(
     write_report(result, target, find_background(result, modes), at)
     data = {"result": str(file), "file": str(target), "bytes": target.stat().st_size}
     printed.show(as_json, data, lambda shown: say(f"wrote {shown['file']} ({shown['bytes'] / 1e6:.1f} MB)"))
-
-
-def find_background(result: "Result", modes: bool) -> "Background":
-    """Return sources and modes of the scene that a result holds; what cannot be had is left out, with the reason."""
-    from ..view.report.page import Background
-
-    found = restore_modes(str(result.dataset.attrs.get("scene_json", "")), modes)
-    return Background(found.sources, found.linear, found.modes, found.why + ".")

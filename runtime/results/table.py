@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 from ltcgear.generated.text import write_out
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 Cell = str | int | float | None
 NUMBER = re.compile(r"[-+]?[\d.]+(e[-+]?\d+)?( ?%)?|-?")
 """Text that is aligned as a number."""
+WIDTH = 120
+"""Columns of a table that is text."""
 KEPT, GAP = 12, 3
 """Width up to which a column of words is not broken; space between columns."""
 
@@ -131,11 +134,40 @@ class Table:
         """Width of a column's widest line, its heading left out."""
         return max((len(line) for row in self.rows for line in _shown(row[place]).split("\n")), default=0)
 
+    def to_html(self) -> str:
+        """Write the table for a notebook, text escaped."""
+        cells = "".join(
+            f"<tr>{''.join(_html_cell(cell, right) for cell, right in zip(row, self.numeric, strict=True))}</tr>"
+            for row in self.rows
+        )
+        head = "".join(f"<th>{escape(heading)}</th>" for heading in self.columns)
+        notes = "".join(f"<p>{escape(note)}</p>" for note in self.notes)
+        return f"<table><caption>{escape(self.title)}</caption><tr>{head}</tr>{cells}</table>{notes}"
+
+    def _repr_html_(self) -> str:
+        """Show the table in a notebook."""
+        return self.to_html()
+
+    def __str__(self) -> str:
+        """Write the table as a terminal shows it."""
+        from rich.console import Console
+
+        console = Console(width=WIDTH, highlight=False, color_system=None)
+        with console.capture() as written:
+            console.print(self)
+        return "\n".join(line.rstrip() for line in written.get().splitlines())
+
     def print(self, console: Console | None = None) -> None:
         """Print to a console, by default standard output."""
         from .terminal import Terminal
 
         (console or Terminal()).print(self)
+
+
+def _html_cell(cell: Cell, right: bool) -> str:
+    """Write a cell of HTML; line ends stay."""
+    text = escape(_shown(cell)).replace("\n", "<br>")
+    return f'<td style="text-align: right">{text}</td>' if right else f'<td style="text-align: left">{text}</td>'
 
 
 def _is_number(cell: Cell) -> bool:

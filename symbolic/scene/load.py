@@ -136,7 +136,8 @@ def make_scene(
     name
         The scene's name.
     label
-        Heading of messages. folder
+        Heading of messages.
+    folder
         Folder of the files that it names; default: the current folder.
     files
         Tables of files already read, which are not read again; files read now are added.

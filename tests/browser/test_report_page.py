@@ -6,7 +6,7 @@ from math import hypot
 import numpy as np
 import pytest
 from ltcgear.runtime import load
-from ltcgear.runtime.cli import reporting
+from ltcgear.runtime.api import restoring
 from ltcgear.runtime.view.report.page import write_report
 
 from reports import simulate_into
@@ -25,7 +25,7 @@ def write_page(folder, scene, t_end):
     file = simulate_into(folder, scene, t_end)
     result = load(file)
     page = file.with_suffix(".html")
-    write_report(result, page, reporting.find_background(result, True))
+    write_report(result, page, restoring.find_background(result, True))
     return result, page
 
 

@@ -21,9 +21,8 @@ from ltcgear.runtime.analysis import (
 )
 from ltcgear.runtime.analysis.lines import Clues
 from ltcgear.runtime.analysis.survey import Options
+from ltcgear.runtime.api.restoring import find_background, restore_modes
 from ltcgear.runtime.cli import opening
-from ltcgear.runtime.cli.opening import restore_modes
-from ltcgear.runtime.cli.reporting import find_background
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.view import draw_bearings, draw_spectrum, draw_survey, list_tables
 from ltcgear.runtime.view.figures.drawing import pool, scale_of, thin

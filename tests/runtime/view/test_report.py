@@ -9,7 +9,7 @@ from itertools import pairwise
 import netCDF4
 import pytest
 from ltcgear.runtime import build, load, simulate
-from ltcgear.runtime.cli import reporting
+from ltcgear.runtime.api import restoring
 from ltcgear.runtime.results.checksums import SUMS
 from ltcgear.runtime.view.report.page import write_report
 from ltcgear.symbolic import build_model, load_scene
@@ -40,7 +40,7 @@ def make_page(file, modes=True, **options):
     """Write a result's page beside it, as the command does; return its text."""
     loaded = load(file)
     page = file.with_suffix(".html")
-    write_report(loaded, page, reporting.find_background(loaded, modes), **options)
+    write_report(loaded, page, restoring.find_background(loaded, modes), **options)
     return page.read_text("utf-8")
 
 
