@@ -7,7 +7,8 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from ltcgear.runtime.cli import linear, opening
+from ltcgear.runtime.api import restoring
+from ltcgear.runtime.cli import linear
 
 KEYS = {
     "frequency_hz", "damping_ratio", "class", "energy",
@@ -34,8 +35,8 @@ def test_count_takes_the_lowest(data, run):
 
 
 def test_large_trains_list_the_lowest_unless_more_are_asked_for(data, monkeypatch):
-    monkeypatch.setattr(opening, "MANY", 4)
-    monkeypatch.setattr(opening, "FEW", 3)
+    monkeypatch.setattr(restoring, "MANY", 4)
+    monkeypatch.setattr(restoring, "FEW", 3)
     assert len(data("modes", "psh")["modes"]) == 3
     assert len(data("modes", "psh", "--count", "5")["modes"]) == 5
 
