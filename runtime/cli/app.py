@@ -9,11 +9,15 @@ from ltcgear.generated.errors import LtcgearError, MachineError
 from ltcgear.generated.text import write_out
 
 from ..results.terminal import tell
+from .groups import OrderedCommands
 from .machine_faults import find_fault
 from .streams import outlets
 
 # Plain help: rich would take "[s]" for markup and drop it.
-app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None)
+app = typer.Typer(
+    cls=OrderedCommands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 120},
+    no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None,
+)  # fmt: skip
 #: What typer raises for a command line that it cannot read; BadParameter alone of the family is public.
 UsageError = cast(type[typer.BadParameter], typer.BadParameter.__base__)
 INTERRUPTED = 130

@@ -1,13 +1,16 @@
 """Page docs/commands.md, written from the command line itself."""
 
 from collections.abc import Iterator
+from itertools import chain
 from typing import Any
 
 from typer.main import get_command
 
+from .groups import GROUPS
+
 HEAD = """# Commands
 
-`ltcgear COMMAND --help` prints what stands here. SCENE is the name of a shipped scene (`ltcgear scenes`) or a TOML
+`ltcgear COMMAND -h` prints what stands here. SCENE is the name of a shipped scene (`ltcgear scenes`) or a TOML
 file.
 
 - With `--json` a command prints one JSON object and nothing else on standard output; messages go to standard error.
@@ -36,8 +39,8 @@ a hundred times what it [takes](growth.md). `MPLBACKEND` has no effect: figures 
 
 ## All commands
 
-| command | what it does |
-|---|---|
+| for | command | what it does |
+|---|---|---|
 """
 FLAG_TEXT = {True: "on", False: "off"}
 
@@ -46,9 +49,13 @@ def write_commands() -> str:
     """Return the page as Markdown."""
     from .commands import app
 
-    commands: dict[str, Any] = dict(sorted(get_command(app).commands.items()))  # type: ignore[attr-defined]
-    rows = [f"| [{name}](#{name}) | {_cell(_summary(command))} |\n" for name, command in commands.items()]
-    return HEAD + "".join(rows) + "".join(_section(name, command) for name, command in commands.items())
+    commands: dict[str, Any] = get_command(app).commands  # type: ignore[attr-defined]
+    rows = [
+        f"| {f'{title} | ' if k == 0 else '| '}[{name}](#{name}) | {_cell(_summary(commands[name]))} |\n"
+        for title, names in GROUPS.items()
+        for k, name in enumerate(names)
+    ]
+    return HEAD + "".join(rows) + "".join(_section(name, commands[name]) for name in chain(*GROUPS.values()))
 
 
 def _summary(command: Any) -> str:  # noqa: ANN401

@@ -41,6 +41,10 @@ ResultFolder = Annotated[Path, typer.Option("-o", "--output", help="Folder for r
 EndTime = Annotated[
     float | None, typer.Option("--t-end", help="Time to simulate [s].", show_default="simulation.t_end of the scene")
 ]
+SamplingRate = Annotated[
+    float | None,
+    typer.Option("--rate", metavar="HZ", help="Samples a second [Hz].", show_default="the scene's, or chosen for it"),
+]
 PaperEnd = Annotated[float, typer.Option("--t-end", help=f"Time to simulate [s], {SHORTEST_PAPER} at least.")]
 *_FIRST, _LAST = (AUTO, *METHODS)
 Method = Annotated[str, typer.Option("--method", help=f"{', '.join(_FIRST)} or {_LAST}.")]

@@ -24,6 +24,7 @@ from .options import (
     RecordFile,
     ResultFile,
     Resume,
+    SamplingRate,
     SceneName,
     Tolerance,
     Verify,
@@ -37,6 +38,7 @@ def simulate(
     scene: SceneName,
     output: ResultFile = None,
     t_end: EndTime = None,
+    rate: SamplingRate = None,
     method: Method = "auto",
     rtol: Tolerance = 1e-6,
     raw: Raw = False,
@@ -53,7 +55,7 @@ def simulate(
     sources = {name: context.get_parameter_source(name) for name in ("method", "rtol")}
     given = [f"--{name}" for name, source in sources.items() if source and source.name == "COMMANDLINE"]
     check_accuracy(accuracy, record, given)
-    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record, long)
+    summary = run(scene, changes, output, t_end, method, rtol, raw, resume, verify, accuracy, record, long, rate)
     printed.show(as_json, summary, printed.simulated)
     finished(summary)
 
@@ -88,13 +90,14 @@ def run(
     accuracy: str | None = None,
     record_file: Path | None = None,
     long: bool = False,
+    rate: float | None = None,
 ) -> dict[str, Any]:
     """Simulate a scene, into a file where one is given; return the summary."""
     from ..simulation.recording import record
     from ..simulation.run_settings import check_options
     from ..simulation.simulate import simulate as simulate_model
 
-    check_options(method, rtol, t_end)
+    check_options(method, rtol, t_end, rate)
     _check_result(output, resume, scene, record_file)
     opened = open_scene(scene, changes, output)
     library = compile_model(opened)
@@ -109,7 +112,7 @@ def run(
     with progress(f"simulate {opened.scene.name}", end) as told:
         options: dict[str, Any] = {
             "t_end": end,
-            "rate": opened.scene.simulation.rate,
+            "rate": opened.scene.simulation.rate if rate is None else rate,
             "method": method,
             "rtol": rtol,
             "raw": raw,

@@ -13,7 +13,7 @@ from ..results.terminal import tell
 from ..view.tables import printed
 from .app import InterruptedRunError, app
 from .opening import split_changes
-from .options import AsJson, Changes, EndTime, Force, Long, Method, Raw, SceneName, Tolerance
+from .options import AsJson, Changes, EndTime, Force, Long, Method, Raw, SamplingRate, SceneName, Tolerance
 from .progress import progress
 
 if TYPE_CHECKING:
@@ -64,6 +64,7 @@ def sweep(
     seed: Seed = 0,
     metric: Metrics = None,
     t_end: EndTime = None,
+    rate: SamplingRate = None,
     method: Method = "auto",
     rtol: Tolerance = 1e-6,
     raw: Raw = False,
@@ -89,7 +90,7 @@ def sweep(
     if figures is not None:
         make_folder(figures)
     drawn: dict[str, Any] = {"sample": sample, "points": points, "seed": seed}
-    runs: dict[str, Any] = {"t_end": t_end, "method": method, "rtol": rtol, "raw": raw}
+    runs: dict[str, Any] = {"t_end": t_end, "rate": rate, "method": method, "rtol": rtol, "raw": raw}
     runs |= {"workers": workers, "scheduler": scheduler, "retry": retry, "skip": skip or (), "long": long}
     try:
         with _bars(template.name) as told:

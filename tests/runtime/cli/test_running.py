@@ -134,3 +134,13 @@ def test_a_run_that_stops_is_exit_code_3(run, monkeypatch, tmp_path):
     for command in (("simulate", "lsp"), ("paper", "-o", tmp_path)):
         code, _, err = run(*command)
         assert (code, err) == (3, "ltcgear: erk stopped at t = 0.1 s\n")
+
+
+def test_a_rate_is_that_of_the_samples(data, refused, tmp_path):
+    scene = data("simulate", "psh", "--t-end", "0.05", "--set", "simulation.rate=4000 Hz")
+    given = data("simulate", "psh", "--t-end", "0.05", "--set", "simulation.rate=9000 Hz", "--rate", "4000")
+    assert (given["rate_hz"], given["band_hz"]) == (scene["rate_hz"], scene["band_hz"]) == (4000.0, 1600.0)
+    assert given["forces"] == scene["forces"]
+    for wrong in ("0", "-5", "nan"):
+        assert f"rate {float(wrong):g}: must be" in refused("simulate", "psh", "--rate", wrong, "-o", tmp_path / "a.nc")
+    assert list(tmp_path.iterdir()) == []
