@@ -21,8 +21,8 @@ from ltcgear.runtime.analysis import (
 )
 from ltcgear.runtime.analysis.lines import Clues
 from ltcgear.runtime.analysis.survey import Options
+from ltcgear.runtime.api import restoring
 from ltcgear.runtime.api.restoring import find_background, restore_modes
-from ltcgear.runtime.cli import opening
 from ltcgear.runtime.simulation.simulate import simulate
 from ltcgear.runtime.view import draw_bearings, draw_spectrum, draw_survey, list_tables
 from ltcgear.runtime.view.figures.drawing import pool, scale_of, thin
@@ -126,8 +126,8 @@ def test_planets_stay_on_their_pins(rig, survey):
 
 def test_one_rule_says_which_modes_name_lines(data, rig, file, monkeypatch):
     """A report and an analysis name lines by the same modes, those that `ltcgear modes` lists."""
-    monkeypatch.setattr(opening, "MANY", 4)
-    monkeypatch.setattr(opening, "FEW", 17)
+    monkeypatch.setattr(restoring, "MANY", 4)
+    monkeypatch.setattr(restoring, "FEW", 17)
     modes = find_background(rig, True).modes
     assert len(modes) == 17
     near = {row[5] for row in data("analyse", file)["tables"]["lines-mesh_force"]["rows"]} - {None}
