@@ -6,10 +6,10 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
-from ltcgear.generated.errors import LtcgearError
+from ltcgear.generated.errors import CheckError, LtcgearError
 
 from ..results import result as results
-from ..simulation.run_settings import RunOptions
+from ..simulation.run_settings import ChosenOptions, RunOptions
 from .mode_list import ModeList
 from .restoring import choose_count, linearise_model
 from .simulation_result import SimulationResult
@@ -117,7 +117,6 @@ class Gearbox:
         CheckError
             If a check fails.
         """
-        from ltcgear.generated.errors import CheckError
         from ltcgear.symbolic.checks.all_checks import check_model
 
         from ..view.tables.scene_tables import list_checks
@@ -215,10 +214,10 @@ class Gearbox:
         return "".join(table.to_html() for table in self.info())
 
 
-class GearboxOptions(RunOptions, total=False):
+class GearboxOptions(ChosenOptions, total=False):
     """Settings of a run as keyword arguments, none of them needed; see ``RunSettings``."""
 
-    t_end: float  # type: ignore[misc]
+    t_end: float
 
 
 def load(source: "str | Path | Source | Scene", changes: Changes | None = None) -> Gearbox:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Required, TypedDict
+from typing import Any, TypedDict
 
 import numpy as np
 from ltcgear.generated.contract import MOST_SAMPLES
@@ -16,10 +16,9 @@ DEFAULT_METHOD = AUTO
 DEFAULT_RTOL = 1e-6
 
 
-class RunOptions(TypedDict, total=False):
-    """Settings of a run as keyword arguments, see ``RunSettings``."""
+class ChosenOptions(TypedDict, total=False):
+    """Settings of a run that may be left out, as keyword arguments; see ``RunSettings``."""
 
-    t_end: Required[float]
     rate: float | None
     method: str
     rtol: float
@@ -27,6 +26,12 @@ class RunOptions(TypedDict, total=False):
     tables: Mapping[str, Pairs] | None
     verify: bool
     long: bool
+
+
+class RunOptions(ChosenOptions):
+    """Settings of a run as keyword arguments, see ``RunSettings``."""
+
+    t_end: float
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def tabulate_modes(data: dict[str, Any], labels: Mapping[str, str]) -> list[Tabl
     columns = ("", "Hz", "damping", "class", "what it is", "kinetic energy")
     rows = tuple(_row(k, item, labels) for k, item in enumerate(data["modes"], start=1))
     few = data["lowest"] and len(rows) < data["freedoms"]
-    notes = (f"the lowest {len(rows)} of {data['freedoms']} freedoms' modes; --count N lists more",) if few else ()
+    notes = (f"the lowest {len(rows)} of {data['freedoms']} freedoms' modes; a larger count lists more",) if few else ()
     return [Table(title, columns, rows, notes)]
 
 
